@@ -1,0 +1,25 @@
+"""The protocol of a safety net (the field says safety filter or run-time assurance).
+
+A net sees the world and what every vehicle is about to be told, and answers with one verdict per vehicle: the
+command really sent, and why. It may be reviewed without reading any learning code: this folder imports
+nothing above `dynamics`.
+"""
+
+from abc import ABC, abstractmethod
+from typing import Any
+
+from fledge.world import Arena, Commands, Verdict, WorldState
+
+
+class AbstractNet(ABC):
+    """A net holds parameters; its memory is passed."""
+
+    @abstractmethod
+    def init(self, arena: Arena, world: WorldState) -> Any:
+        """The memory of a net that guards `arena`, at the start of a flight."""
+
+    @abstractmethod
+    def filter(
+        self, memory: Any, world: WorldState, commands: Commands
+    ) -> tuple[Any, tuple[Verdict, ...]]:
+        """(memory, verdicts): the UAV's verdict first, then one per UGV. Called at 100 Hz."""

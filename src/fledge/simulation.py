@@ -1,0 +1,345 @@
+"""The simulator: everything below it, put together and flown forward in time.
+
+Rates: physics 500 Hz; net and UGV guidance 100 Hz; the pilot decides and a row is stored at 20 Hz, the last
+action held between. One scene is a `Case`, who flies it is a `Crew`, in what vehicles is a `Rig`. `rollout`
+is a pure function of these and of the chance drawn beforehand, written once and run twice: on plain floats
+(`fly_plain`: any pilot, any Python) and compiled by JAX over many scenes at once (`fly`).
+
+This is the one file where records become JAX pytrees; the lab never imports it.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields, is_dataclass, replace
+from functools import cache, partial
+from typing import Any
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from fledge.camera import Lens
+from fledge.conditions import (
+    NORMALS,
+    SIGHT_ROWS,
+    UNIFORMS,
+    Conditions,
+    RowNoise,
+    next_drift,
+    next_gust,
+    row_noise,
+    sense,
+)
+from fledge.dynamics import Quadrotor, UavMemory
+from fledge.episode import Episode
+from fledge.formation import FormationControl
+from fledge.geometry import Quat, Vec3
+from fledge.manoeuvres.base import AbstractManoeuvre, FormationTrack, Plan
+from fledge.observation import (
+    IDEAL_RADIUS_PX,
+    ROW_RATE,
+    Action,
+    Axes,
+    Observation,
+    StickScale,
+    observe,
+)
+from fledge.pilots.base import AbstractPilot
+from fledge.safety import AbstractNet, NoNet
+from fledge.scalars import Scalar
+from fledge.world import (
+    Commands,
+    UavState,
+    UgvState,
+    VelocityCommand,
+    Verdict,
+    WorldState,
+)
+
+TICKS_PER_ROW = 5
+"""Net and guidance run at 100 Hz."""
+STEPS_PER_TICK = 5
+"""Physics runs at 500 Hz."""
+TICK = 1.0 / (ROW_RATE * TICKS_PER_ROW)
+"""[s]."""
+STEP = TICK / STEPS_PER_TICK
+"""[s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rig:
+    """What flies and what it looks through; fixed within a study."""
+
+    uav: Quadrotor = Quadrotor()
+    formation: FormationControl = FormationControl()
+    lens: Lens = Lens()
+    sticks: StickScale = StickScale()
+    ideal_radius: float = IDEAL_RADIUS_PX
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """Everything that is drawn before a flight but the noise."""
+
+    plan: Plan
+    conditions: Conditions
+
+    @classmethod
+    def draw(cls, manoeuvre: AbstractManoeuvre, key: Sequence[int], rows: int) -> "Case":
+        """The case that a key stands for: same manoeuvre, key and rows, same case."""
+        rng = np.random.default_rng(list(key))
+        return cls(manoeuvre.plan(rng, rows), Conditions.draw(rng))
+
+
+@dataclass(frozen=True, slots=True)
+class Crew:
+    """Who decides: the pilot, on which axes, behind which net."""
+
+    pilot: AbstractPilot
+    axes: Axes = Axes()
+    net: AbstractNet = NoNet()
+
+
+@dataclass(frozen=True, slots=True)
+class FlightState:
+    """All that changes during a flight."""
+
+    row: Scalar
+    world: WorldState
+    uav: UavMemory
+    gust: Vec3
+    drift: VelocityCommand
+    views: tuple[Observation, ...]
+    """Exact observations of the last rows, newest first."""
+    pilot: Any
+    net: Any
+
+
+Scan = Callable[[Callable[[Any, Any], tuple[Any, Any]], Any, Any], tuple[Any, Any]]
+"""`jax.lax.scan` or `plain_scan`."""
+
+
+def start(case: Case, crew: Crew, rig: Rig) -> FlightState:
+    """UGVs on their corners, the UAV hovering above them, everybody rested."""
+    track, c = _row(case.plan.track, 0), case.conditions
+    zero = 0.0 * track.x
+    ugvs = tuple(
+        UgvState(x, y, case.plan.orientation + zero, zero, zero, zero)
+        for x, y, _, _ in rig.formation.corners(track, case.plan.orientation)
+    )
+    still = Vec3(zero, zero, zero)
+    above = Vec3(track.x, track.y, rig.lens.focal_px * track.spread / rig.ideal_radius)
+    uav = UavState(above + c.offset, still, Quat.from_yaw(c.yaw + zero), still, zero)
+    world = WorldState(zero, uav, ugvs)
+    return FlightState(
+        row=zero,
+        world=world,
+        uav=rig.uav.init(uav),
+        gust=still,
+        drift=VelocityCommand(zero, zero, zero, zero),
+        views=(observe(world, rig.lens, rig.ideal_radius),) * SIGHT_ROWS,
+        pilot=crew.pilot.init(),
+        net=crew.net.init(case.plan.arena, world),
+    )
+
+
+def fly_row(
+    state: FlightState,
+    target: FormationTrack,
+    noise: RowNoise,
+    scene: tuple[Case, Crew, Rig],
+    scan: Scan,
+) -> tuple[FlightState, Episode]:
+    """One decision, and the five ticks for which it is held: (state, the row)."""
+    case, crew, rig = scene
+    views = (observe(state.world, rig.lens, rig.ideal_radius), *state.views[:-1])
+    seen = sense(views, noise, case.conditions)
+    pilot, action = crew.pilot.act(state.pilot, seen, noise.pilot)
+    action = action.only(crew.axes)
+    proposed = rig.sticks.command(action)
+    gust = next_gust(state.gust, noise, case.conditions)
+    drift = next_drift(state.drift, state.row, noise, case.conditions)
+    error = noise.command.scaled(case.conditions.command_noise) + drift
+    wind = case.conditions.wind + gust
+    told = rig.formation.commands(
+        state.world.ugvs, target, case.plan.orientation, case.plan.arena
+    )
+    commands = Commands(proposed, told)
+
+    def tick(carry: tuple[WorldState, UavMemory, Any], since: Scalar) -> tuple[Any, Any]:
+        world, memory, net = carry
+        net, verdicts = crew.net.filter(net, world, commands)
+        uav_sent, *ugvs_sent = (verdict.command for verdict in verdicts)
+
+        def step(carry: tuple[UavMemory, UavState, tuple[UgvState, ...]], _: Any) -> Any:
+            memory, uav, ugvs = carry
+            memory, uav = rig.uav.step(memory, uav, uav_sent + error, wind, STEP)
+            ugvs = tuple(
+                model.step(ugv, sent, STEP)
+                for model, ugv, sent in zip(rig.formation.fleet, ugvs, ugvs_sent, strict=True)
+            )
+            return (memory, uav, ugvs), ()
+
+        steps = np.zeros(STEPS_PER_TICK)
+        (memory, uav, ugvs), _ = scan(step, (memory, world.uav, world.ugvs), steps)
+        t = state.row / ROW_RATE + since + TICK
+        stamped = WorldState(
+            t, replace(uav, stamp=t), tuple(replace(ugv, stamp=t) for ugv in ugvs)
+        )
+        return (stamped, memory, net), verdicts
+
+    ticks = np.arange(TICKS_PER_ROW) * TICK
+    (world, memory, net), history = scan(tick, (state.world, state.uav, state.net), ticks)
+    verdicts = _row(history, -1)
+    row = Episode(state.world, seen, action, commands, verdicts, target.spread)
+    return FlightState(state.row + 1.0, world, memory, gust, drift, views, pilot, net), row
+
+
+def rollout(
+    scene: tuple[Case, Crew, Rig], chance: Any, noise_of: Callable[[Any], RowNoise], scan: Scan
+) -> Episode:
+    """Fly a scene from start to end; `noise_of` makes one row of `chance` into its noise."""
+
+    def step(state: FlightState, inputs: tuple[FormationTrack, Any]) -> tuple[FlightState, Episode]:
+        target, drawn = inputs
+        return fly_row(state, target, noise_of(drawn), scene, scan)
+
+    case, crew, rig = scene
+    begin = start(case, crew, rig)
+    _register((begin, case, crew))
+    _, episode = scan(step, begin, (case.plan.track, chance))
+    return episode
+
+
+def plain_scan(
+    step: Callable[[Any, Any], tuple[Any, Any]], carry: Any, inputs: Any
+) -> tuple[Any, Any]:
+    """`jax.lax.scan` without JAX's arrays: a loop over plain floats, its outputs stacked by NumPy."""
+    leaves, shape = jax.tree.flatten(inputs)
+    outputs = []
+    for row in zip(*(np.asarray(leaf).tolist() for leaf in leaves), strict=True):
+        carry, output = step(carry, jax.tree.unflatten(shape, row))
+        outputs.append(output)
+    return carry, jax.tree.map(lambda *values: np.array(values), *outputs)
+
+
+def _row(tree: Any, i: int) -> Any:
+    """Row `i` of a record of arrays; of NumPy arrays, in plain floats."""
+
+    def pick(leaf: Any) -> Scalar:
+        return leaf[i].item() if isinstance(leaf, np.ndarray) else leaf[i]
+
+    return jax.tree.map(pick, tree)
+
+
+def fly_plain(case: Case, crew: Crew, key: Sequence[int], rig: Rig = Rig()) -> Episode:
+    """Fly one case in plain Python, with the chance of `key`; leaves of shape (rows,). Any pilot will do."""
+    _register((case, crew))
+    case = jax.tree.map(lambda leaf: leaf if np.ndim(leaf) else float(leaf), case)
+    keys = jax.random.split(jax.random.wrap_key_data(_seeds([key])[0]), len(case.plan.track.x))
+    chance = jax.vmap(_draw)(keys)
+    return rollout((case, crew, rig), chance, _deal, plain_scan)
+
+
+def fly(
+    cases: Sequence[Case],
+    crew: Crew,
+    keys: Sequence[Sequence[int]],
+    rig: Rig = Rig(),
+    reduce: Callable[[Episode], Any] | None = None,
+) -> Any:
+    """Fly many cases in one compiled program; leaves of shape (flights, rows).
+
+    Args:
+        cases: one per flight, all with the same number of rows.
+        crew: who flies them; a pilot that JAX cannot trace raises JAX's own error (see `can_compile`).
+        keys: the chance of each flight.
+        rig: vehicles and lens.
+        reduce: makes something smaller of each Episode inside the program, a score say.
+    """
+    _register(crew)
+    flown = _compiled(rig, reduce)
+    return jax.tree.map(np.asarray, flown(stack_cases(cases), crew, _seeds(keys)))
+
+
+def fly_team(
+    cases: Sequence[Case],
+    crew: Crew,
+    keys: Sequence[Sequence[int]],
+    rig: Rig = Rig(),
+    reduce: Callable[[Episode], Any] | None = None,
+) -> Any:
+    """The same for a crew whose pilot's arrays have a leading axis of seeds: leaves (seeds, flights, ...)."""
+    _register(crew)
+    stacked, chance = stack_cases(cases), _seeds(keys)
+    flown = _compiled_team(rig, reduce)
+    return jax.tree.map(np.asarray, flown(stacked, crew, chance))
+
+
+@cache
+def _compiled(rig: Rig, reduce: Callable[[Episode], Any] | None) -> Any:
+    return jax.jit(jax.vmap(_one_flight(rig, reduce), in_axes=(0, None, 0)))
+
+
+@cache
+def _compiled_team(rig: Rig, reduce: Callable[[Episode], Any] | None) -> Any:
+    one = jax.vmap(_one_flight(rig, reduce), in_axes=(0, None, 0))
+    axes = Crew(pilot=0, axes=None, net=None)  # type: ignore[arg-type]
+    return jax.jit(jax.vmap(one, in_axes=(None, axes, None)))
+
+
+def _one_flight(rig: Rig, reduce: Callable[[Episode], Any] | None) -> Callable[..., Any]:
+    def one(case: Case, crew: Crew, seed: jax.Array) -> Any:
+        keys = jax.random.split(jax.random.wrap_key_data(seed), len(case.plan.track.x))
+        episode = rollout((case, crew, rig), keys, lambda key: _deal(_draw(key)), jax.lax.scan)
+        return episode if reduce is None else reduce(episode)
+
+    return one
+
+
+def _draw(key: jax.Array) -> tuple[jax.Array, jax.Array]:
+    """The chance of one row: standard normal numbers, and uniform ones in [-1, 1]."""
+    one, two = jax.random.split(key)
+    normal = jax.random.normal(one, (NORMALS,))
+    return normal, jax.random.uniform(two, (UNIFORMS,), minval=-1.0, maxval=1.0)
+
+
+def _deal(chance: tuple[Any, Any]) -> RowNoise:
+    normal, uniform = chance
+    return row_noise(
+        [normal[i] for i in range(NORMALS)], [uniform[i] for i in range(UNIFORMS)]
+    )
+
+
+def stack_cases(cases: Sequence[Case]) -> Case:
+    """One Case with a leading axis of flights, arenas padded to the same number of obstacles."""
+    most = max(len(case.plan.arena.obstacles) for case in cases)
+    padded = [
+        replace(case, plan=replace(case.plan, arena=case.plan.arena.padded(most))) for case in cases
+    ]
+    for case in padded:
+        _register(case)
+    return jax.tree.map(lambda *leaves: jnp.asarray(np.array(leaves, dtype=float)), *padded)
+
+
+def _seeds(keys: Sequence[Sequence[int]]) -> jax.Array:
+    words = [np.random.SeedSequence(list(key)).generate_state(2) for key in keys]
+    return jnp.asarray(np.array(words, dtype=np.uint32))
+
+
+_registered: set[type] = set()
+for _record in (Episode, Action, Commands, Verdict, FlightState):
+    _registered.add(jax.tree_util.register_dataclass(_record))
+
+
+def _register(value: Any) -> None:
+    """Make every dataclass in `value` a pytree; a field with `metadata={"static": True}` is no leaf."""
+    kind = type(value)
+    if isinstance(value, tuple):
+        for item in value:
+            _register(item)
+    elif is_dataclass(kind):
+        if kind not in _registered:
+            jax.tree_util.register_dataclass(kind)
+            _registered.add(kind)
+        for field in fields(value):
+            _register(getattr(value, field.name))

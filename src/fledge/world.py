@@ -1,0 +1,180 @@
+"""The records every room of the house speaks of: the arena, the vehicles, what they are told, what was sent.
+
+Frames: world ENU (x east, y north, z up), body FLU (x forward, y left, z up). SI units throughout.
+Each record describes ONE scene: its fields are numbers. Arrays in their place describe many scenes, or one
+scene over time; nothing here notices. The records carry no checks, because JAX rebuilds them with tracers
+inside; whatever comes from outside is checked once, where it enters.
+"""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from fledge.errors import FledgeError, OutOfRange
+from fledge.geometry import Box, Quat, Vec3
+from fledge.scalars import Scalar, where
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+
+@dataclass(frozen=True, slots=True)
+class Obstacle:
+    """A box that stands on the floor."""
+
+    footprint: Box
+    height: Scalar
+    """Height of its top above the floor [m]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Arena:
+    """Where the vehicles may be: a box of air over a floor, and what stands in it."""
+
+    bounds: Box
+    """The walls [m]."""
+    ceiling: Scalar
+    """Highest altitude [m]."""
+    obstacles: tuple[Obstacle, ...] = ()
+
+    @classmethod
+    def square(cls, side: float = 10.0, ceiling: float = 6.0) -> "Arena":
+        """The paper's simulated arena, 10 x 10 m, origin at its centre; the ceiling is our choice (D10)."""
+        half = side / 2.0
+        return cls(Box(-half, half, -half, half), ceiling)
+
+    def padded(self, obstacles: int) -> "Arena":
+        """The same with `obstacles` boxes; those added stand out of reach, so that arenas can be stacked."""
+        nowhere = Obstacle(Box(1e4, 1e4 + 1.0, 1e4, 1e4 + 1.0), 1.0)
+        return replace(
+            self, obstacles=self.obstacles + (nowhere,) * (obstacles - len(self.obstacles))
+        )
+
+
+def check_arena(arena: Arena) -> Arena:
+    """The arena itself, if its rectangles are upright and finite.
+
+    Raises:
+        FledgeError: a rectangle is inverted or empty, or a height is not positive.
+    """
+    boxes: Iterable[tuple[str, Box, float]] = [
+        ("the arena", arena.bounds, arena.ceiling),
+        *((f"obstacle {i}", o.footprint, o.height) for i, o in enumerate(arena.obstacles)),
+    ]
+    for name, box, height in boxes:
+        if not (box.x_min < box.x_max and box.y_min < box.y_max):
+            raise FledgeError(
+                f"{name} spans x {box.x_min}..{box.x_max} m, y {box.y_min}..{box.y_max} m: "
+                "each lower edge must lie below its upper edge"
+            )
+        if not 0.0 < height < float("inf"):
+            raise OutOfRange(f"height of {name} [m]", height, "a positive number")
+    return arena
+
+
+@dataclass(frozen=True, slots=True)
+class UavState:
+    """Where the UAV is and how it moves."""
+
+    position: Vec3
+    """World position [m]."""
+    velocity: Vec3
+    """World velocity [m/s]."""
+    attitude: Quat
+    """Rotation world_from_body."""
+    rates: Vec3
+    """Body angular rates [rad/s]."""
+    stamp: Scalar
+    """When this was measured [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class UgvState:
+    """Where a UGV is and how it moves."""
+
+    x: Scalar
+    """World position [m]."""
+    y: Scalar
+    """World position [m]."""
+    heading: Scalar
+    """Direction of its nose, counter-clockwise from east [rad]; not wrapped."""
+    speed: Scalar
+    """Forward speed [m/s]; negative in reverse."""
+    turn_rate: Scalar
+    """Yaw rate [rad/s]."""
+    stamp: Scalar
+    """When this was measured [s]."""
+
+
+@dataclass(frozen=True, slots=True)
+class WorldState:
+    """All vehicles at one instant."""
+
+    t: Scalar
+    """Time since the flight began [s]."""
+    uav: UavState
+    ugvs: tuple[UgvState, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class VelocityCommand:
+    """What a vehicle is told: velocities in its own heading frame. A UGV obeys `forward` and `turn` only."""
+
+    forward: Scalar
+    """[m/s]."""
+    left: Scalar
+    """[m/s]."""
+    up: Scalar
+    """[m/s]."""
+    turn: Scalar
+    """Yaw rate, counter-clockwise positive [rad/s]."""
+
+    @classmethod
+    def hover(cls) -> "VelocityCommand":
+        """The one word for "safe": a UAV holds its place, a UGV stands still."""
+        return cls(0.0, 0.0, 0.0, 0.0)
+
+    def scaled(self, factor: Scalar) -> "VelocityCommand":
+        """Every component times `factor`."""
+        return VelocityCommand(
+            self.forward * factor, self.left * factor, self.up * factor, self.turn * factor
+        )
+
+    def __add__(self, other: "VelocityCommand") -> "VelocityCommand":
+        return VelocityCommand(
+            self.forward + other.forward,
+            self.left + other.left,
+            self.up + other.up,
+            self.turn + other.turn,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Commands:
+    """One command for every vehicle."""
+
+    uav: VelocityCommand
+    ugvs: tuple[VelocityCommand, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What a safety net let through to one vehicle, and why."""
+
+    command: VelocityCommand
+    """The command really sent."""
+    intervened: Scalar
+    """Whether it differs from the command proposed."""
+    reason: Scalar
+    """Code of the reason; 0 when nothing was changed."""
+    clearance: Scalar
+    """Free distance the net saw [m]; infinite if it does not look."""
+
+
+def settle_on_floor(uav: UavState) -> UavState:
+    """The floor is hard and does not bounce: a UAV that would sink into it stops there."""
+    below = uav.position.z < 0.0
+    return replace(
+        uav,
+        position=replace(uav.position, z=where(below, 0.0 * uav.position.z, uav.position.z)),
+        velocity=replace(uav.velocity, z=where(below, 0.0 * uav.velocity.z, uav.velocity.z)),
+    )
