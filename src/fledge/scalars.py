@@ -69,7 +69,7 @@ def atan2(y: Scalar, x: Scalar) -> Scalar:
 def exp(x: Scalar) -> Scalar:
     """Exponential; infinity where it overflows."""
     if _plain(x):
-        return math.exp(x) if not x > 700.0 else math.inf
+        return math.exp(x) if not x > 709.782712893384 else math.inf
     return _namespace(x).exp(x)
 
 

@@ -7,6 +7,7 @@ inside; whatever comes from outside is checked once, where it enters.
 """
 
 from dataclasses import dataclass, replace
+from math import inf
 from typing import TYPE_CHECKING
 
 from fledge.errors import FledgeError, OutOfRange
@@ -54,19 +55,19 @@ def check_arena(arena: Arena) -> Arena:
     """The arena itself, if its rectangles are upright and finite.
 
     Raises:
-        FledgeError: a rectangle is inverted or empty, or a height is not positive.
+        FledgeError: a rectangle is inverted, empty or endless, or a height is not positive.
     """
     boxes: Iterable[tuple[str, Box, float]] = [
         ("the arena", arena.bounds, arena.ceiling),
         *((f"obstacle {i}", o.footprint, o.height) for i, o in enumerate(arena.obstacles)),
     ]
     for name, box, height in boxes:
-        if not (box.x_min < box.x_max and box.y_min < box.y_max):
+        if not (-inf < box.x_min < box.x_max < inf and -inf < box.y_min < box.y_max < inf):
             raise FledgeError(
                 f"{name} spans x {box.x_min}..{box.x_max} m, y {box.y_min}..{box.y_max} m: "
-                "each lower edge must lie below its upper edge"
+                "each lower edge must lie below its upper edge, all of them finite"
             )
-        if not 0.0 < height < float("inf"):
+        if not 0.0 < height < inf:
             raise OutOfRange(f"height of {name} [m]", height, "a positive number")
     return arena
 

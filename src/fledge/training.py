@@ -1,0 +1,374 @@
+"""Learning the composite policy from the composite set: Algorithm 1, line 8.
+
+A `Recipe` is the optimiser and nothing else; what is learnt was decided in `fuse`. Two are ready:
+`Recipe.paper()` is the paper's (full batch, Adam, 10,000 epochs, 67/33 split by row, initial weights of standard
+deviation 1e-4) and `Recipe.fast()` reaches the same held-out error in seconds (mini-batches, cosine schedule, split
+by episode, the best epoch on held-out episodes kept).
+
+`train` is a generator of `Checkpoint`s: many seeds at once by `vmap`, and each checkpoint is all that is needed to go on
+exactly where it was made. The order of the rows is a function of seed and epoch, so nothing else is to be remembered.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any, Literal
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import optax
+
+from fledge.errors import BadDemonstrations, OutOfRange
+from fledge.fusion import CompositeSet
+from fledge.policy import HIDDEN, Contract, Policy
+
+Layers = tuple[tuple[Any, ...], tuple[Any, ...]]
+"""(weights, biases); with many seeds every array has a leading axis of seeds."""
+
+
+@dataclass(frozen=True, slots=True)
+class Recipe:
+    """How to optimise."""
+
+    epochs: int = 60
+    batch: int | None = 256
+    """Rows per step; None for all of them."""
+    learning_rate: float = 2e-3
+    schedule: Literal["constant", "cosine"] = "cosine"
+    weight_decay: float = 1e-4
+    init: Literal["paper", "constant", "he"] = "he"
+    """Normal of sd 1e-4, the constant 1e-4, or He's normal (D5)."""
+    split: Literal["row", "episode"] = "episode"
+    validation: float = 0.2
+    """Share of rows or episodes held out."""
+    keep: Literal["last", "best"] = "best"
+    """The weights of the last epoch, or of the one with the lowest held-out loss."""
+    points: int = 60
+    """How often the losses are measured, and a checkpoint is made, over the whole run."""
+
+    @classmethod
+    def paper(cls, epochs: int = 10_000) -> "Recipe":
+        """Section "Experiments", to the letter where it speaks; Adam's step is Keras's default."""
+        return cls(
+            epochs=epochs,
+            batch=None,
+            learning_rate=1e-3,
+            schedule="constant",
+            weight_decay=0.0,
+            init="paper",
+            split="row",
+            validation=0.33,
+            keep="last",
+            points=100,
+        )
+
+    @classmethod
+    def fast(cls, epochs: int = 60) -> "Recipe":
+        """The default; epochs, batch and step chosen on held-out loss, not on flights."""
+        return cls(epochs=epochs)
+
+    def checked(self) -> "Recipe":
+        """Itself, if its numbers make sense.
+
+        Raises:
+            OutOfRange: names the number.
+        """
+        for name, valid, ok in (
+            ("epochs", "1 or more", self.epochs >= 1),
+            ("batch", "1 or more, or None", self.batch is None or self.batch >= 1),
+            ("learning_rate", "above 0, to 1", 0.0 < self.learning_rate <= 1.0),
+            ("weight_decay", "0 or more", self.weight_decay >= 0.0),
+            ("validation", "above 0, below 1", 0.0 < self.validation < 1.0),
+            ("points", "1 to epochs", 1 <= self.points),
+        ):
+            if not ok:
+                raise OutOfRange(f"recipe {name}", getattr(self, name), valid)
+        return self
+
+    @property
+    def stride(self) -> int:
+        """Epochs between two measurements."""
+        return max(self.epochs // self.points, 1)
+
+
+@dataclass(frozen=True, slots=True)
+class LossCurve:
+    """Mean squared errors, measured every few epochs; of one seed, or with a leading axis of seeds."""
+
+    epochs: np.ndarray
+    """Shape (points,)."""
+    training: np.ndarray
+    """Shape (..., points, sub-tasks + 1): of all rows, then of each sub-task."""
+    validation: np.ndarray
+    """The same on what was held out."""
+    names: tuple[str, ...]
+    """The sub-tasks."""
+
+
+@dataclass(frozen=True, slots=True)
+class Checkpoint:
+    """All that training needs to go on; every array has a leading axis of seeds."""
+
+    epoch: int
+    layers: Layers
+    optimiser: Any
+    best: Layers
+    best_loss: Any
+    """Shape (seeds,)."""
+    curve: LossCurve
+
+    def leaves(self) -> list[np.ndarray]:
+        """Its arrays but the curve's, in a fixed order, for a file."""
+        state = (self.layers, self.optimiser, self.best, self.best_loss)
+        return [np.asarray(leaf) for leaf in jax.tree.leaves(state)]
+
+    def with_leaves(self, leaves: Sequence[np.ndarray], epoch: int, curve: LossCurve) -> "Checkpoint":
+        """One like this with other content: the way back from a file."""
+        state = (self.layers, self.optimiser, self.best, self.best_loss)
+        filled = jax.tree.unflatten(jax.tree.structure(state), [jnp.asarray(leaf) for leaf in leaves])
+        return Checkpoint(epoch, *filled, curve)
+
+
+@dataclass(frozen=True, slots=True)
+class Data:
+    """The composite set, normalised and split, ready for the device."""
+
+    x: Any
+    y: Any
+    mask: Any
+    subtask: Any
+    """Shape (rows, sub-tasks + 1): weights of a row in each loss."""
+    train: np.ndarray
+    """Row numbers."""
+    held_out: np.ndarray
+    """Row numbers."""
+    mean: np.ndarray
+    scale: np.ndarray
+
+
+def fit(
+    composite: CompositeSet,
+    recipe: Recipe | None = None,
+    key: int = 0,
+    contract: Contract | None = None,
+) -> tuple[Policy, LossCurve]:
+    """Train one policy: the whole of `train`, and its result."""
+    recipe = recipe or Recipe.fast()
+    last = None
+    for last in train(composite, recipe, [key]):
+        pass
+    assert last is not None
+    return member(policies(composite, recipe, last, contract), 0), member_curve(last.curve, 0)
+
+
+def train(
+    composite: CompositeSet,
+    recipe: Recipe,
+    keys: Sequence[int],
+    resume: Checkpoint | None = None,
+) -> Iterator[Checkpoint]:
+    """Train one network per key, all at once, from the beginning or from a checkpoint of the same run."""
+    data = prepare(composite, recipe.checked())
+    seeds = jnp.stack([jax.random.key(key) for key in keys])
+    optimiser = _optimiser(recipe, len(data.train))
+    state = resume or begin(composite, recipe, keys)
+    run = jax.jit(
+        jax.vmap(partial(_epochs, data, recipe, optimiser), in_axes=(0, 0, 0, None)),
+    )
+    measure = jax.jit(jax.vmap(partial(_losses, data)))
+    while state.epoch < recipe.epochs:
+        layers, opt_state = run(state.layers, state.optimiser, seeds, state.epoch)
+        epoch = state.epoch + recipe.stride
+        training, validation = measure(layers)
+        better = validation[:, 0] < state.best_loss
+        best = jax.tree.map(
+            lambda new, old: jnp.where(better.reshape((-1,) + (1,) * (new.ndim - 1)), new, old),  # noqa: B023
+            layers,
+            state.best,
+        )
+        state = Checkpoint(
+            epoch,
+            layers,
+            opt_state,
+            best,
+            jnp.minimum(validation[:, 0], state.best_loss),
+            _longer(state.curve, epoch, np.asarray(training), np.asarray(validation)),
+        )
+        yield state
+
+
+def begin(composite: CompositeSet, recipe: Recipe, keys: Sequence[int]) -> Checkpoint:
+    """Epoch 0."""
+    sizes = (len(composite.inputs), *HIDDEN, composite.actions.shape[1])
+    seeds = jnp.stack([jax.random.key(key) for key in keys])
+    layers = jax.vmap(partial(_initial, sizes, recipe.init))(seeds)
+    rows = len(_split(composite, recipe)[0])
+    opt_state = jax.vmap(_optimiser(recipe, rows).init)(layers)
+    empty = np.empty((len(keys), 0, len(composite.names) + 1))
+    curve = LossCurve(np.empty(0, dtype=int), empty, empty, composite.names)
+    return Checkpoint(0, layers, opt_state, layers, jnp.full(len(keys), jnp.inf), curve)
+
+
+def policies(
+    composite: CompositeSet, recipe: Recipe, state: Checkpoint, contract: Contract | None = None
+) -> Policy:
+    """What was learnt: one Policy whose arrays have a leading axis of seeds (see `member`)."""
+    data = prepare(composite, recipe)
+    weights, biases = state.best if recipe.keep == "best" else state.layers
+    seeds = len(state.best_loss)
+    if contract is not None:
+        contract = replace(contract, data=composite.digest())
+    return Policy(
+        weights=tuple(np.asarray(w, dtype=np.float32) for w in weights),
+        biases=tuple(np.asarray(b, dtype=np.float32) for b in biases),
+        mean=np.tile(data.mean, (seeds, 1)),
+        scale=np.tile(data.scale, (seeds, 1)),
+        inputs=composite.inputs,
+        states=composite.states.shape[1],
+        contract=contract,
+    )
+
+
+def member(many: Policy, i: int) -> Policy:
+    """The policy of one seed."""
+    return replace(
+        many,
+        weights=tuple(w[i] for w in many.weights),
+        biases=tuple(b[i] for b in many.biases),
+        mean=many.mean[i],
+        scale=many.scale[i],
+    )
+
+
+def member_curve(many: LossCurve, i: int) -> LossCurve:
+    """The curve of one seed."""
+    return replace(many, training=many.training[i], validation=many.validation[i])
+
+
+def prepare(composite: CompositeSet, recipe: Recipe) -> Data:
+    """Split and normalise; the normaliser sees the training rows only."""
+    train, held_out = _split(composite, recipe)
+    states = composite.states[:, list(composite.inputs)]
+    mean, scale = states[train].mean(axis=0), states[train].std(axis=0)
+    # An input that does not vary carries nothing: 1 keeps it from becoming 0 / 0.
+    scale = np.where(scale > 1e-6 * np.maximum(np.abs(mean), 1.0), scale, 1.0)
+    groups = np.eye(len(composite.names))[composite.subtask]
+    return Data(
+        jnp.asarray((states - mean) / scale, dtype=jnp.float32),
+        jnp.asarray(composite.actions, dtype=jnp.float32),
+        jnp.asarray(composite.mask, dtype=jnp.float32),
+        jnp.asarray(np.column_stack([np.ones(len(states)), groups]), dtype=jnp.float32),
+        train,
+        held_out,
+        mean.astype(np.float32),
+        scale.astype(np.float32),
+    )
+
+
+def _split(composite: CompositeSet, recipe: Recipe) -> tuple[np.ndarray, np.ndarray]:
+    """Row numbers for training and validation; the same for every seed, each sub-task split alike."""
+    rng = np.random.default_rng(67)
+    unit = composite.episode if recipe.split == "episode" else np.arange(len(composite.states))
+    held: list[np.ndarray] = []
+    for task in range(len(composite.names)):
+        units = np.unique(unit[composite.subtask == task])
+        if recipe.split == "episode" and len(units) == 1:
+            # One episode: its last block is held out.
+            rows = np.flatnonzero(composite.subtask == task)
+            held.append(rows[len(rows) - max(round(recipe.validation * len(rows)), 1) :])
+            continue
+        count = max(round(recipe.validation * len(units)), 1)
+        held.append(np.flatnonzero(np.isin(unit, rng.choice(units, count, replace=False))))
+    held_out = np.sort(np.concatenate(held))
+    train = np.setdiff1d(np.arange(len(composite.states)), held_out)
+    if not len(train):
+        raise BadDemonstrations(
+            f"{len(composite.states)} rows leave nothing to train on after holding out "
+            f"{len(held_out)}: give more rows or episodes"
+        )
+    return train, held_out
+
+
+def _initial(sizes: tuple[int, ...], init: str, key: jax.Array) -> Layers:
+    weights = []
+    for i, (rows, columns) in enumerate(zip(sizes[:-1], sizes[1:], strict=True)):
+        normal = jax.random.normal(jax.random.fold_in(key, i), (rows, columns))
+        scale = {"paper": 1e-4, "he": (2.0 / rows) ** 0.5, "constant": 1e-4}[init]
+        weights.append(jnp.full((rows, columns), scale) if init == "constant" else scale * normal)
+    return tuple(weights), tuple(jnp.zeros(columns) for columns in sizes[1:])
+
+
+def _optimiser(recipe: Recipe, rows: int) -> optax.GradientTransformation:
+    if recipe.schedule == "constant":
+        return optax.adamw(recipe.learning_rate, weight_decay=recipe.weight_decay)
+    steps = recipe.epochs * max(rows // (recipe.batch or rows), 1)
+    return optax.adamw(
+        optax.cosine_decay_schedule(recipe.learning_rate, steps), weight_decay=recipe.weight_decay
+    )
+
+
+def _predict(layers: Layers, x: Any) -> Any:
+    weights, biases = layers
+    for weight, bias in zip(weights[:-1], biases[:-1], strict=True):
+        x = jax.nn.relu(x @ weight + bias)
+    return jnp.tanh(x @ weights[-1] + biases[-1])
+
+
+def _loss(layers: Layers, x: Any, y: Any, mask: Any) -> Any:
+    """Mean squared error over what was demonstrated."""
+    squared = mask * (_predict(layers, x) - y) ** 2
+    return squared.sum() / jnp.maximum(mask.sum(), 1.0)
+
+
+def _losses(data: Data, layers: Layers) -> tuple[Any, Any]:
+    """(training, validation) losses, each of all rows and of every sub-task."""
+    squared = data.mask * (_predict(layers, data.x) - data.y) ** 2
+
+    def mean(rows: np.ndarray) -> Any:
+        weights = data.subtask[rows]
+        counted = weights.T @ data.mask[rows].sum(axis=1)
+        return weights.T @ squared[rows].sum(axis=1) / jnp.maximum(counted, 1.0)
+
+    return mean(data.train), mean(data.held_out)
+
+
+def _epochs(
+    data: Data,
+    recipe: Recipe,
+    optimiser: optax.GradientTransformation,
+    layers: Layers,
+    state: Any,
+    key: jax.Array,
+    first: Any,
+) -> tuple[Layers, Any]:
+    """The next `recipe.stride` epochs of one seed."""
+    rows = len(data.train)
+    batch = min(recipe.batch or rows, rows)
+    steps = rows // batch
+
+    def step(carry: tuple[Layers, Any], index: Any) -> tuple[Any, tuple[()]]:
+        layers, state = carry
+        gradient = jax.grad(_loss)(layers, data.x[index], data.y[index], data.mask[index])
+        updates, state = optimiser.update(gradient, state, layers)
+        return (optax.apply_updates(layers, updates), state), ()
+
+    def epoch(carry: tuple[Layers, Any], number: Any) -> tuple[Any, tuple[()]]:
+        if recipe.batch is None:
+            return step(carry, data.train)
+        order = jax.random.permutation(jax.random.fold_in(key, number), data.train)
+        return jax.lax.scan(step, carry, order[: steps * batch].reshape(steps, batch))[0], ()
+
+    numbers = first + jnp.arange(recipe.stride)
+    return jax.lax.scan(epoch, (layers, state), numbers)[0]
+
+
+def _longer(
+    curve: LossCurve, epoch: int, training: np.ndarray, validation: np.ndarray
+) -> LossCurve:
+    return replace(
+        curve,
+        epochs=np.append(curve.epochs, epoch),
+        training=np.concatenate([curve.training, training[:, None]], axis=1),
+        validation=np.concatenate([curve.validation, validation[:, None]], axis=1),
+    )
