@@ -1,18 +1,46 @@
 """Demonstrations: state-action pairs, episode by episode.
 
-`Demonstrations` is what the method eats: one pair of arrays per episode, rows x dimensions, of any task. `of_flights`
-makes them from stored flights of the drone. Episodes stay apart because neighbouring rows are nearly the same: a
-split by row leaks the training set into the validation set (D7).
+`Demonstrations` is what the method eats: one pair of arrays per episode, rows x dimensions, of any task. Episodes
+stay apart because neighbouring rows are nearly the same: a split by row leaks the training set into the
+validation set (D7). `collect` lets a pilot fly the drone's, `of_flights` makes data of them.
+
+The paper's text and its row counts contradict each other (episodes of 5 and 10 minutes would be 60,000 rows each);
+`PAPER_ORDERS` follows the counts (D4).
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from fledge.episode import Flight
 from fledge.errors import BadDemonstrations
-from fledge.observation import ACTION_NAMES, OBSERVATION_NAMES
+from fledge.manoeuvres import AbstractManoeuvre, Climb, Combined, Descend, FixedAltitude
+from fledge.observation import ACTION_NAMES, OBSERVATION_NAMES, Axes
+from fledge.pilots import AbstractPilot
+from fledge.simulation import Case, Crew, Rig, flight_key, fly, fly_plain, take, traceable
+
+@dataclass(frozen=True, slots=True)
+class Order:
+    """How many episodes of a manoeuvre to fly, and how many rows in all."""
+
+    manoeuvre: AbstractManoeuvre
+    episodes: int
+    rows: int
+
+    def lengths(self) -> list[int]:
+        """Rows of each episode: as even as can be, the longer ones first."""
+        short, longer = divmod(self.rows, self.episodes)
+        return [short + (i < longer) for i in range(self.episodes)]
+
+
+PAPER_ORDERS = (
+    Order(FixedAltitude(), 5, 5296),
+    Order(Climb(), 10, 4691),
+    Order(Descend(), 10, 4904),
+    Order(Combined(), 10, 5464),
+)
+"""Section "Experiments": episodes and instances of each data set."""
 
 Pair = tuple[np.ndarray, np.ndarray]
 """(states, actions) of one episode, shapes (rows, state dims) and (rows, action dims)."""
@@ -57,6 +85,43 @@ class Demonstrations:
     def action_dim(self) -> int:
         """Entries of an action."""
         return self.episodes[0][1].shape[1]
+
+
+def collect(
+    orders: Sequence[Order], pilot: AbstractPilot, seed: int, rig: Rig = Rig()
+) -> Iterator[Flight]:
+    """Let a pilot demonstrate; each flight is a pure function of manoeuvre, pilot, seed and its number.
+
+    All flights run in one compiled program; a pilot that JAX cannot trace flies one after the other.
+    """
+    jobs = [(order.manoeuvre, i, rows) for order in orders for i, rows in enumerate(order.lengths())]
+    longest = max(rows for _, _, rows in jobs)
+    cases, crews, keys = [], [], []
+    for manoeuvre, number, rows in jobs:
+        key = flight_key(seed, "demonstration", manoeuvre.name, number)
+        cases.append(Case.draw(manoeuvre, key, rows).lasting(longest))
+        crews.append(Crew(pilot.for_axes(manoeuvre.axes), Axes.of(manoeuvre.axes)))
+        keys.append((*key, 1))
+    compiled = fly(cases, crews, keys, rig) if traceable(pilot) else None
+    for i, (manoeuvre, number, rows) in enumerate(jobs):
+        episode = (
+            fly_plain(cases[i].lasting(rows), crews[i], keys[i], rig)
+            if compiled is None
+            else take(compiled, i, rows)
+        )
+        yield Flight(
+            episode=episode,
+            manoeuvre=manoeuvre.name,
+            pilot=pilot.name,
+            net="none",
+            seed=seed,
+            case=number,
+            axes=manoeuvre.axes,
+            arena=cases[i].plan.arena,
+            lens=rig.lens,
+            sticks=rig.sticks,
+            ideal_radius=rig.ideal_radius,
+        )
 
 
 def of_flights(flights: Sequence[Flight]) -> Demonstrations:

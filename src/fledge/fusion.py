@@ -135,6 +135,31 @@ def fuse(
     return CompositeSet(states, actions, mask, episode, subtask, names, chosen)
 
 
+def estimate_delay(
+    demonstrations: Mapping[SubTask, Demonstrations | Pair | Iterable[Pair]], most: int = 10
+) -> int:
+    """Rows by which actions lag what they answer, read off the demonstrations alone (D15).
+
+    The delay whose linear model from state to action leaves the least, summed over sub-tasks in units of each one's
+    variance. Delays of 0 to `most` rows are tried.
+    """
+    checked = [Demonstrations.of(data, task.name) for task, data in demonstrations.items()]
+    left = [sum(_unexplained(data, delay) for data in checked) for delay in range(most + 1)]
+    return int(np.argmin(left))
+
+
+def _unexplained(data: Demonstrations, delay: int) -> float:
+    """Share of the actions' variance that a linear model of the state `delay` rows ago does not explain."""
+    pairs = [(s[: len(s) - delay], a[delay:]) for s, a in data.episodes if len(s) > delay]
+    if not pairs:
+        return np.inf
+    states, actions = (np.concatenate(part) for part in zip(*pairs, strict=True))
+    states = np.column_stack([states - states.mean(axis=0), np.ones(len(states))])
+    coefficients = np.linalg.lstsq(states, actions, rcond=None)[0]
+    spread = np.mean((actions - actions.mean(axis=0)) ** 2)
+    return float(np.mean((states @ coefficients - actions) ** 2) / max(spread, 1e-12))
+
+
 def _check(
     demonstrations: Mapping[SubTask, Demonstrations],
     action_dim: int,

@@ -8,9 +8,10 @@ is a pure function of these and of the chance drawn beforehand, written once and
 This is the one file where records become JAX pytrees; the lab never imports it.
 """
 
+import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, is_dataclass, replace
-from functools import cache, partial
+from functools import cache
 from typing import Any
 
 import jax
@@ -88,6 +89,18 @@ class Case:
         """The case that a key stands for: same manoeuvre, key and rows, same case."""
         rng = np.random.default_rng(list(key))
         return cls(manoeuvre.plan(rng, rows), Conditions.draw(rng))
+
+
+    def lasting(self, rows: int) -> "Case":
+        """The same cut to `rows` rows, or with its last row repeated up to them."""
+        pick = np.minimum(np.arange(rows), len(self.plan.track.x) - 1)
+        track = FormationTrack(*(getattr(self.plan.track, f.name)[pick] for f in fields(FormationTrack)))
+        return replace(self, plan=replace(self.plan, track=track))
+
+
+def flight_key(seed: int, purpose: str, manoeuvre: str, number: int) -> tuple[int, ...]:
+    """The key of one flight; flights for different purposes never share chance."""
+    return (seed, zlib.crc32(purpose.encode()), zlib.crc32(manoeuvre.encode()), number)
 
 
 @dataclass(frozen=True, slots=True)
@@ -242,7 +255,7 @@ def fly_plain(case: Case, crew: Crew, key: Sequence[int], rig: Rig = Rig()) -> E
 
 def fly(
     cases: Sequence[Case],
-    crew: Crew,
+    crew: Crew | Sequence[Crew],
     keys: Sequence[Sequence[int]],
     rig: Rig = Rig(),
     reduce: Callable[[Episode], Any] | None = None,
@@ -251,14 +264,17 @@ def fly(
 
     Args:
         cases: one per flight, all with the same number of rows.
-        crew: who flies them; a pilot that JAX cannot trace raises JAX's own error (see `can_compile`).
+        crew: who flies them all, or one crew of the same kind per flight.
         keys: the chance of each flight.
         rig: vehicles and lens.
-        reduce: makes something smaller of each Episode inside the program, a score say.
+        reduce: makes something smaller of the episodes, leaves (flights, rows), inside the program: scores,
+            say. Keep one function for one purpose, since each is compiled anew.
     """
-    _register(crew)
-    flown = _compiled(rig, reduce)
-    return jax.tree.map(np.asarray, flown(stack_cases(cases), crew, _seeds(keys)))
+    each = not isinstance(crew, Crew)
+    crews = stack(crew) if each else crew
+    _register(crews)
+    flown = _compiled(rig, reduce, each)
+    return jax.tree.map(np.asarray, flown(stack_cases(cases), crews, _seeds(keys)))
 
 
 def fly_team(
@@ -268,32 +284,47 @@ def fly_team(
     rig: Rig = Rig(),
     reduce: Callable[[Episode], Any] | None = None,
 ) -> Any:
-    """The same for a crew whose pilot's arrays have a leading axis of seeds: leaves (seeds, flights, ...)."""
+    """The same with a crew whose pilot's arrays have a leading axis of seeds: leaves (seeds, flights, ...)."""
     _register(crew)
-    stacked, chance = stack_cases(cases), _seeds(keys)
     flown = _compiled_team(rig, reduce)
-    return jax.tree.map(np.asarray, flown(stacked, crew, chance))
+    return jax.tree.map(np.asarray, flown(stack_cases(cases), crew, _seeds(keys)))
+
+
+def take(episodes: Episode, flight: int, rows: int) -> Episode:
+    """One flight of many, its first `rows` rows."""
+    return jax.tree.map(lambda leaf: leaf[flight, :rows], episodes)
+
+
+# Half the compile time for the same speed: LLVM's costlier passes find nothing to do in small kernels.
+_QUICKLY = {"xla_backend_optimization_level": 1}
 
 
 @cache
-def _compiled(rig: Rig, reduce: Callable[[Episode], Any] | None) -> Any:
-    return jax.jit(jax.vmap(_one_flight(rig, reduce), in_axes=(0, None, 0)))
+def _compiled(rig: Rig, reduce: Callable[[Episode], Any] | None, each: bool) -> Any:
+    return jax.jit(_many_flights(rig, reduce, each), compiler_options=_QUICKLY)
 
 
 @cache
 def _compiled_team(rig: Rig, reduce: Callable[[Episode], Any] | None) -> Any:
-    one = jax.vmap(_one_flight(rig, reduce), in_axes=(0, None, 0))
-    axes = Crew(pilot=0, axes=None, net=None)  # type: ignore[arg-type]
-    return jax.jit(jax.vmap(one, in_axes=(None, axes, None)))
+    flown = _many_flights(rig, reduce, each=False)
+
+    def team(cases: Case, crew: Crew, seeds: jax.Array) -> Any:
+        # One seed after the other bounds the memory; the flights of a seed run side by side.
+        return jax.lax.map(lambda pilot: flown(cases, replace(crew, pilot=pilot), seeds), crew.pilot)
+
+    return jax.jit(team, compiler_options=_QUICKLY)
 
 
-def _one_flight(rig: Rig, reduce: Callable[[Episode], Any] | None) -> Callable[..., Any]:
-    def one(case: Case, crew: Crew, seed: jax.Array) -> Any:
+def _many_flights(rig: Rig, reduce: Callable[[Episode], Any] | None, each: bool) -> Callable[..., Any]:
+    def one(case: Case, crew: Crew, seed: jax.Array) -> Episode:
         keys = jax.random.split(jax.random.wrap_key_data(seed), len(case.plan.track.x))
-        episode = rollout((case, crew, rig), keys, lambda key: _deal(_draw(key)), jax.lax.scan)
-        return episode if reduce is None else reduce(episode)
+        return rollout((case, crew, rig), keys, lambda key: _deal(_draw(key)), jax.lax.scan)
 
-    return one
+    def many(cases: Case, crews: Crew, seeds: jax.Array) -> Any:
+        episodes = jax.vmap(one, in_axes=(0, 0 if each else None, 0))(cases, crews, seeds)
+        return episodes if reduce is None else reduce(episodes)
+
+    return many
 
 
 def _draw(key: jax.Array) -> tuple[jax.Array, jax.Array]:
@@ -310,15 +341,34 @@ def _deal(chance: tuple[Any, Any]) -> RowNoise:
     )
 
 
+def traceable(pilot: AbstractPilot) -> bool:
+    """Whether JAX can compile a pilot; one that cannot be compiled is flown by `fly_plain`."""
+    number = jax.ShapeDtypeStruct((), jnp.float32)
+    seen = Observation(*(number for _ in fields(Observation)))
+    memory = pilot.init()
+    _register((pilot, seen, memory))
+    noise = (number, number, number, number)
+    try:
+        jax.eval_shape(lambda o, n: jax.tree.leaves(pilot.act(memory, o, n)[1]), seen, noise)
+    except jax.errors.JAXTypeError:
+        return False
+    return True
+
+
 def stack_cases(cases: Sequence[Case]) -> Case:
     """One Case with a leading axis of flights, arenas padded to the same number of obstacles."""
     most = max(len(case.plan.arena.obstacles) for case in cases)
     padded = [
         replace(case, plan=replace(case.plan, arena=case.plan.arena.padded(most))) for case in cases
     ]
-    for case in padded:
-        _register(case)
-    return jax.tree.map(lambda *leaves: jnp.asarray(np.array(leaves, dtype=float)), *padded)
+    return stack(padded)
+
+
+def stack(records: Sequence[Any]) -> Any:
+    """One record whose leaves have a leading axis, of many alike."""
+    for record in records:
+        _register(record)
+    return jax.tree.map(lambda *leaves: jnp.asarray(np.array(leaves, dtype=float)), *records)
 
 
 def _seeds(keys: Sequence[Sequence[int]]) -> jax.Array:
@@ -327,19 +377,30 @@ def _seeds(keys: Sequence[Sequence[int]]) -> jax.Array:
 
 
 _registered: set[type] = set()
-for _record in (Episode, Action, Commands, Verdict, FlightState):
-    _registered.add(jax.tree_util.register_dataclass(_record))
+
+
+def pytree(kind: type) -> type:
+    """Make a dataclass a pytree; a field with `metadata={"static": True}` is no leaf."""
+    if kind not in _registered:
+        jax.tree_util.register_dataclass(kind)
+        _registered.add(kind)
+    return kind
 
 
 def _register(value: Any) -> None:
-    """Make every dataclass in `value` a pytree; a field with `metadata={"static": True}` is no leaf."""
-    kind = type(value)
+    """Make every record in `value` a pytree; a stranger's object that is no record becomes a constant."""
     if isinstance(value, tuple):
         for item in value:
             _register(item)
-    elif is_dataclass(kind):
-        if kind not in _registered:
-            jax.tree_util.register_dataclass(kind)
-            _registered.add(kind)
+    elif is_dataclass(value):
+        pytree(type(value))
         for field in fields(value):
-            _register(getattr(value, field.name))
+            if not field.metadata.get("static"):
+                _register(getattr(value, field.name))
+    elif isinstance(value, (AbstractPilot, AbstractNet)) and type(value) not in _registered:
+        jax.tree_util.register_static(type(value))
+        _registered.add(type(value))
+
+
+for _record in (Episode, Action, Commands, Verdict, FlightState):
+    pytree(_record)

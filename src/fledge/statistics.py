@@ -17,8 +17,8 @@ leaves the values seen.
 **Tests.** Signs of whole cases, of whole seeds and of both together are flipped, and the largest p counts.
 The first speaks of these networks on new cases, the second of new networks on these cases; only the third
 speaks of both at once: without it a test at 5 % rejects 13 % of true nulls where seeds and cases matter
-alike. S seeds cannot give less than p = 2 / 2^S, so below six (0.031) no test over seeds could reject at 5
-%, and it flips cases alone. Such a p is void for the method at large: with three seeds that matter it
+alike. S seeds cannot give less than p = 2 / 2^S, so below six (0.031) no test over seeds could reject at
+5 %, and it flips cases alone. Such a p is void for the method at large: with three seeds that matter it
 rejects nearly every true null. `Comparison.units` says which it is. Sign flips assume differences symmetric
 about zero under the null.
 
@@ -248,9 +248,7 @@ def _differences(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 def _resampled_means(tables: tuple[np.ndarray, ...], seed: int, resamples: int) -> tuple[np.ndarray, ...]:
     """Means of each table, shape (resamples,), over the same draws of seeds and of cases."""
     rng = _generator(seed, resamples)
-    rows, columns = (
-        rng.multinomial(n, np.full(n, 1.0 / n), resamples) / n for n in tables[0].shape
-    )
+    rows, columns = (rng.multinomial(n, np.full(n, 1.0 / n), resamples) / n for n in tables[0].shape)
     return tuple(np.sum((rows @ table) * columns, axis=1) for table in tables)
 
 

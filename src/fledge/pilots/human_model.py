@@ -39,12 +39,12 @@ STICK_STEPS = 127.0
 class AxisMemory:
     """What one axis of the operator remembers."""
 
-    remnant: Scalar
-    """Coloured noise on the displayed error [px]."""
-    power: Scalar
-    """Running mean of the squared error [px^2]."""
     lagged: Scalar
     """State of the lead-lag filter [px]."""
+    power: Scalar
+    """Running mean square of what is perceived, error and rate together [px^2]."""
+    remnant: Scalar
+    """Coloured noise on it [px]."""
     delayed: tuple[Scalar, ...]
     """Stick wishes of the last rows, newest first."""
     stick: Scalar
@@ -56,15 +56,16 @@ class HumanModel(AbstractPilot):
     """One operator; defaults are mid-band."""
 
     crossover: float = 1.5  # [rad/s] w_c; drone by video 1-2.5 (McRuer-Jex rules with a video delay)
-    crossover_up: float = 1.2  # [rad/s] likewise; the radius is the slower display
-    lead: float = 0.5  # [s] T_L; about the lag of the vehicle's velocity loop
+    crossover_up: float = 2.0  # [rad/s] likewise; the vertical loop answers faster, so the operator may, too
+    lead: float = 0.85  # [s] T_L; the lag of the vehicle's lateral velocity loop, measured from 0.5 to 1.5 rad/s
+    lead_up: float = 0.2  # [s] likewise of its vertical loop
     lag: float = 0.1  # [s] T_I
     delay: float = 0.2  # [s] tau; optimal-control model 0.15-0.25 (Kleinman 1970)
     neuromuscular: float = 0.1  # [s] T_N; same source
     remnant: float = 0.01  # rho, -20 dB; Levison et al. 1969
     remnant_lag: float = 0.23  # [s] T_n; structural-model fits
     power_memory: float = 5.0  # [s]; chosen, how long E[e^2] remembers
-    threshold_px: float = 5.0  # indifference; 5-10 px
+    threshold_px: float = 2.0  # indifference; chosen well below the 3.6 px rms to which Table 4's person held the radius
     share_attention: bool = True
     axes: Axes = Axes()
     focal_px: float = 374.7  # Lens.focal_px; a person learns this scale by flying
@@ -93,29 +94,39 @@ class HumanModel(AbstractPilot):
         metres = o.altitude / self.focal_px
         lateral = self.crossover * metres / self.sticks.horizontal
         vertical = self.crossover_up * o.altitude / o.ideal_radius / self.sticks.vertical
-        ahead, forward = self._axis(memory[0], o.centre_v - o.ugv_v, lateral, attention, noise[0])
-        aside, left = self._axis(memory[1], o.centre_u - o.ugv_u, lateral, attention, noise[1])
-        above, up = self._axis(memory[2], o.radius - o.ideal_radius, vertical, attention, noise[2])
+        ahead, forward = self._axis(
+            memory[0], o.centre_v - o.ugv_v, lateral, self.lead, attention, noise[0]
+        )
+        aside, left = self._axis(
+            memory[1], o.centre_u - o.ugv_u, lateral, self.lead, attention, noise[1]
+        )
+        above, up = self._axis(
+            memory[2], o.radius - o.ideal_radius, vertical, self.lead_up, attention, noise[2]
+        )
         return (ahead, aside, above), Action(forward, left, up, 0.0 * up).only(axes)
 
     def _axis(
-        self, m: AxisMemory, error: Scalar, gain: Scalar, attention: Scalar, noise: Scalar
+        self,
+        m: AxisMemory,
+        error: Scalar,
+        gain: Scalar,
+        lead: Scalar,
+        attention: Scalar,
+        noise: Scalar,
     ) -> tuple[AxisMemory, Scalar]:
         """One axis, one row: displayed error [px] -> stick in [-1, 1]."""
-        power = m.power + (error * error - m.power) * (DT / self.power_memory)
+        seen = error - clip(error, -self.threshold_px, self.threshold_px)
+        lagged = m.lagged + (seen - m.lagged) * (1.0 - exp(-DT / self.lag))
+        led = lagged + lead / self.lag * (seen - lagged)
+        power = m.power + (led * led - m.power) * (DT / self.power_memory)
         # White noise of intensity V through a lag T_n has variance V / (2 T_n).
         keep = exp(-DT / self.remnant_lag)
         sigma = sqrt(pi * self.remnant * power / attention / (2.0 * self.remnant_lag))
         remnant = keep * m.remnant + sqrt(1.0 - keep * keep) * sigma * noise
-        seen = error + remnant
-        seen = seen - clip(seen, -self.threshold_px, self.threshold_px)
-        lagged = m.lagged + (seen - m.lagged) * (1.0 - exp(-DT / self.lag))
-        led = lagged + self.lead / self.lag * (seen - lagged)
-        wishes = (gain * led, *m.delayed[:-1])
-        muscle = 1.0 - exp(-DT / self.neuromuscular)
-        stick = m.stick + (self._recall(wishes) - m.stick) * muscle
+        wishes = (gain * (led + remnant), *m.delayed[:-1])
+        stick = m.stick + (self._recall(wishes) - m.stick) * (1.0 - exp(-DT / self.neuromuscular))
         said = round_(clip(stick, -1.0, 1.0) * STICK_STEPS) / STICK_STEPS
-        return AxisMemory(remnant, power, lagged, wishes, stick), said
+        return AxisMemory(lagged, power, remnant, wishes, stick), said
 
     def _recall(self, wishes: tuple[Scalar, ...]) -> Scalar:
         """The wish of `delay` seconds ago, interpolated between rows."""

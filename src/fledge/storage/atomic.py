@@ -1,10 +1,10 @@
 """The way to disk and back: a file is whole or it is not there, and what goes wrong is said in one line.
 
 A file is written under a hidden name in the same folder (`.NAME.<random>.partial`), flushed to the disk and
-renamed. The rename is atomic on POSIX, so whoever looks under the final name finds the old file or the new one,
-never half of one. Whatever interrupts the writing, the hidden file goes; only SIGKILL or a power cut can leave
-one behind, and `sweep` clears it away. A writer holds a lock on its hidden file, which the system takes back
-when the writer dies: that is how `sweep` tells the dead from the living.
+renamed. The rename is atomic on POSIX: whoever looks under the final name finds the old file or the new one,
+never half of one. Whatever interrupts the writing, the hidden file goes; only SIGKILL or a power cut can
+leave one behind, and `sweep` clears it away. A writer holds a lock on its hidden file, which the system takes
+back when the writer dies: that is how `sweep` tells the dead from the living.
 
 What this does not do: order two writers of one name. The last rename wins.
 """
@@ -24,7 +24,7 @@ AnyPath = str | os.PathLike[str]
 
 @contextmanager
 def replacing(path: AnyPath) -> Iterator[BinaryIO]:
-    """A binary file to write to; at the end of the block it stands under `path`, or nothing has changed there.
+    """A binary file to write to; after the block it stands under `path`, or nothing has changed there.
 
     Raises:
         BadFile: it cannot be written, and why.

@@ -2,20 +2,23 @@
 
 | where | what |
 |---|---|
-| metadata `fledge.flight` | format version and everything about the flight but its rows, each value as JSON |
+| metadata `fledge.flight` | format version, and all about the flight but its rows; each value is JSON |
 | topic `/fledge/row` | one message per 20 Hz row: the fields of `Episode`, each leaf a number |
-| topics `/fledge/frames`, `/fledge/scene` | for Foxglove's 3D panel; derived, never read back (see `foxglove.py`) |
+| topics `/fledge/frames`, `/fledge/scene` | for Foxglove's 3D panel; derived, never read back (`foxglove.py`) |
 | metadata `fledge.end` | how many rows there are and of what dtype each leaf is |
 
-Messages and schemas are JSON. A number is written as the shortest text that reads back as the same double, so
-a flight comes back bit for bit (a NaN comes back as a NaN; its payload is not kept). A file's time is the
-row's own, in nanoseconds since the flight began, and never the clock's: same flight, same bytes.
+Messages and schemas are JSON. A number is written so that it reads back as the same number: a flight comes
+back bit for bit (but that a NaN is like any other). A file's time is the row's own, in nanoseconds since the
+flight began, and never the clock's: same flight, same bytes.
 
 What is known beforehand stands at the start and what is only known afterwards at the end, so a flight can be
-written while it is flown (`FlightLog`). A file without its end is refused here; MCAP's own tools can recover it.
+written while it is flown (`FlightLog`). A file without its end is refused here; MCAP's own tools recover it.
 """
 
 import json
+import os
+from collections.abc import Container
+from dataclasses import fields
 from pathlib import Path
 from types import TracebackType
 from typing import Any, BinaryIO
@@ -35,14 +38,28 @@ from fledge.storage.records import NON_FINITE, from_json, from_tree, to_json, to
 FORMAT = "1"
 """Version of the layout above; a reader refuses every other."""
 
+CHUNK = 65_536
+"""[bytes] that wait in memory, about one second of flight: what a log loses when its writer is killed."""
+
 FACTS, END = "fledge.flight", "fledge.end"
 ROWS, FRAMES, SCENE = "/fledge/row", "/fledge/frames", "/fledge/scene"
 
-_WORDS = {python: f'"{word}"' for python, word in NON_FINITE.items()} | {"True": "true", "False": "false"}
-"""JSON for what Python's `repr` says differently."""
+NINE_DIGITS = "%.9g".__mod__
+"""Enough for a float32 to come back (IEEE 754, 5.12.2), and half the work of its seventeen as a double."""
+
+_WORDS = {python: f'"{word}"' for python, word in NON_FINITE.items()} | {
+    "True": "true",
+    "False": "false",
+    "-0": "-0.0",
+}
+"""JSON for what Python says differently; as JSON, -0 would be a whole number and lose its sign."""
 
 _EXAMPLES = {"b": False, "i": 0, "u": 0, "f": 0.0}
 """A value of each kind of number a leaf may be, by NumPy's letter."""
+
+_WRITTEN_AS = {"b": "b", "i": "bi", "u": "biu", "f": "f"}
+"""What kinds of number a column of some kind may have in the file: in a live log one row's truth may be the
+next row's whole number."""
 
 
 def write_flight(path: AnyPath, flight: Flight) -> None:
@@ -63,13 +80,21 @@ def read_flight(path: AnyPath) -> Flight:
         BadFile: missing, truncated, damaged, foreign, or of another format version.
     """
     with reading(path, "a flight"), open(path, "rb") as file:
-        size = _check_ends(file)
-        facts, end, messages = _contents(file, size)
-        known = {name: json.loads(text) for name, text in facts.items() if name != "format"}
+        facts, end, messages = _contents(file, _check_ends(file))
         rows, dtypes = json.loads(end["rows"]), json.loads(end["columns"])
-        if [message.sequence for message in messages] != list(range(rows)) or not rows:
-            raise FledgeError(f"damaged: it holds {len(messages)} rows and its record says {rows}")
-        return _flight(known, _episode(messages, dtypes))
+        if not rows or [message.sequence for message in messages] != list(range(rows)):
+            raise FledgeError(
+                f"damaged: {len(messages)} rows, where its record says {rows}; valid is 1 or more"
+            )
+
+        def leaf(path: str, kind: Any, value: Any) -> Any:
+            part, _, name = path.partition(".")
+            if part == "episode":
+                return _column(np.dtype(dtypes[name]), value)
+            return from_json(kind, value, path)
+
+        known = {name: json.loads(text) for name, text in facts.items() if name != "format"}
+        return from_tree(Flight, {"episode": _rows(messages), **known}, leaf)
 
 
 def list_flights(folder: AnyPath) -> list[Path]:
@@ -90,12 +115,14 @@ class FlightLog:
     Leaving it by an error ends the file just as well: the log of a flight that went wrong is the one to keep.
     """
 
-    def __init__(self, stream: BinaryIO, about: Flight):
+    def __init__(self, stream: BinaryIO, about: Flight) -> None:
         """Write to `stream`, which stays open. Of `about` all is taken but its episode."""
         self._arena = about.arena
         self._rows = 0
         self._dtypes: dict[str, np.dtype] = {}
-        self._writer = Writer(stream, compression=CompressionType.ZSTD, enable_data_crcs=True)
+        self._writer = Writer(
+            stream, chunk_size=CHUNK, compression=CompressionType.ZSTD, enable_data_crcs=True
+        )
         self._writer.start(library="fledge")
         facts = {name: json.dumps(to_json(getattr(about, name))) for name in _fact_names()}
         self._writer.add_metadata(FACTS, {"format": FORMAT, **facts})
@@ -120,11 +147,13 @@ class FlightLog:
         now = _nanoseconds(columns["world.t"])
         if not self._dtypes:
             self._begin(rows, columns, int(now[0]))
+        if columns.keys() != self._dtypes.keys():
+            raise FledgeError(f"{len(rows.world.ugvs)} UGVs: valid are as many as in the rows before")
         for path, column in columns.items():
             self._dtypes[path] = np.result_type(self._dtypes[path], column.dtype)
         texts = zip(*_texts(columns), strict=True)
         frames = poses(rows.world, now)
-        shown = np.isfinite(frames).all(axis=1).tolist()
+        shown: list[bool] = np.isfinite(frames).all(axis=1).tolist()  # pyright: ignore
         for t, text, frame, show in zip(now.tolist(), texts, frames.tolist(), shown, strict=True):
             self._put(self._row_channel, t, self._row_template % text)
             if show:
@@ -171,19 +200,20 @@ def _columns(rows: Episode) -> dict[str, np.ndarray]:
 
 
 def _texts(columns: dict[str, np.ndarray]) -> list[list[str]]:
-    """The numbers of each column as JSON. Many columns are equal (sent as proposed): their text is made once."""
+    """The numbers of each column as JSON; columns that are equal (sent as proposed) are worded once."""
     made: dict[tuple[str, bytes], list[str]] = {}
     texts = []
     for column in columns.values():
         key = column.dtype.str, column.tobytes()
         if key not in made:
-            made[key] = [_WORDS.get(text, text) for text in map(repr, column.tolist())]
+            text_of = NINE_DIGITS if column.dtype == np.float32 else repr
+            made[key] = [_WORDS.get(text, text) for text in map(text_of, column.tolist())]
         texts.append(made[key])
     return texts
 
 
 def _nanoseconds(t: np.ndarray) -> np.ndarray:
-    """Times [s] as MCAP has them, shape (rows,); 0 for what it cannot have: before the start, NaN, centuries on."""
+    """Times [s] as MCAP has them, shape (rows,); 0 for what it cannot have: NaN, negative, centuries on."""
     t = t.astype(float)
     return np.round(np.where((t >= 0.0) & (t < 9e9), t, 0.0) * 1e9).astype(np.int64)
 
@@ -207,8 +237,52 @@ def _check_ends(file: BinaryIO) -> int:
 
 
 def _contents(file: BinaryIO, size: int) -> tuple[dict[str, str], dict[str, str], list[Message]]:
-    """(facts, end, messages of the rows), every checksum compared."""
+    """(facts, end, messages of the rows) of a flight; every checksum is compared on the way."""
     summary = make_reader(file).get_summary()
-    topics: list[str] = [] if summary is None else [channel.topic for channel in summary.channels.values()]
-    indexed = summary is not None and {index.name for index in summary.metadata_indexes}
-    if indexed is not False and FACTS not in indexed
+    if summary is not None:  # do not plough through gigabytes that are not ours
+        _check_facts({index.name for index in summary.metadata_indexes})
+    file.seek(0)
+    metadata: dict[str, dict[str, str]] = {}
+    messages: list[Message] = []
+    channel = None
+    for record in StreamReader(file, validate_crcs=True, record_size_limit=size).records:
+        if isinstance(record, Metadata):
+            metadata[record.name] = record.metadata
+        elif isinstance(record, Channel) and record.topic == ROWS:
+            channel = record.id
+        elif isinstance(record, Message) and record.channel_id == channel:
+            messages.append(record)
+    _check_facts(metadata)
+    facts = metadata[FACTS]
+    if facts.get("format") != FORMAT:
+        raise FledgeError(f"a flight of format {facts.get('format')!r}: this fledge reads {FORMAT!r}")
+    return facts, metadata[END], messages
+
+
+def _check_facts(names: Container[str]) -> None:
+    if FACTS not in names:
+        raise FledgeError(f"an MCAP file without the record {FACTS!r}: valid is a flight stored by fledge")
+    if END not in names:
+        raise FledgeError(f"cut short: a flight without the record {END!r}")
+
+
+def _rows(messages: list[Message]) -> Any:
+    """The tree of an Episode, a list of values for each leaf."""
+    return _transposed(json.loads(b"[" + b",".join(message.data for message in messages) + b"]"))
+
+
+def _transposed(rows: list[Any]) -> Any:
+    """A list of equal trees as one tree of lists."""
+    if isinstance(rows[0], dict):
+        return {name: _transposed([row[name] for row in rows]) for name in rows[0]}
+    if isinstance(rows[0], list):
+        return [_transposed(list(items)) for items in zip(*rows, strict=True)]
+    return rows
+
+
+def _column(dtype: np.dtype, values: list[Any]) -> np.ndarray:
+    """The values of a leaf as they were; those that are not finite are strings."""
+    column = np.array(values, dtype=float if dtype.kind == "f" else None)
+    if column.dtype.kind not in _WRITTEN_AS.get(dtype.kind, ""):
+        raise FledgeError(f"damaged: {column.dtype} where its record says {dtype}")
+    return column.astype(dtype)

@@ -1,9 +1,9 @@
 """What Foxglove needs to show a flight at once: vehicles as moving frames, the arena as boxes.
 
 Two of its well-known message types, as JSON: `foxglove.FrameTransforms`, one message per row, and
-`foxglove.SceneUpdate`, one per flight. Everything here is derived from the stored rows for the eye, rounded to
-a micrometre, and never read back. Foxglove asks of a JSON schema that it be an object whose properties have
-one plain type each, and that an array say what its items are; `schema` makes one from an example.
+`foxglove.SceneUpdate`, one per flight. Everything here is derived from the stored rows for the eye, rounded
+to a micrometre, and never read back. Foxglove asks of a JSON schema that it be an object whose properties
+have one plain type each, and that an array say what its items are; `schema` makes one from an example.
 """
 
 import json
@@ -59,7 +59,7 @@ def transforms(ugvs: int, number: Any = "%.6f", whole: Any = "%d") -> dict[str, 
 
 
 def poses(world: WorldState, nanoseconds: np.ndarray) -> np.ndarray:
-    """What fills the template of `transforms`; shape (rows, 9 per vehicle). Not finite where a pose is not."""
+    """What fills the template of `transforms`, shape (rows, 9 per vehicle); not finite if a pose is not."""
     stamp = np.divmod(nanoseconds, 10**9)
     p, q = world.uav.position, world.uav.attitude
     columns = [*stamp, p.x, p.y, p.z, q.x, q.y, q.z, q.w]
@@ -67,7 +67,8 @@ def poses(world: WorldState, nanoseconds: np.ndarray) -> np.ndarray:
         for ugv in world.ugvs:
             q = Quat.from_yaw(np.asarray(ugv.heading))
             columns += [*stamp, ugv.x, ugv.y, 0.0, q.x, q.y, q.z, q.w]
-    return np.stack([np.broadcast_to(column, nanoseconds.shape) for column in columns], axis=1).astype(float)
+    full = [np.broadcast_to(column, nanoseconds.shape) for column in columns]
+    return np.stack(full, axis=1).astype(float)
 
 
 def scene(arena: Arena, ugvs: int, nanoseconds: int) -> dict[str, Any]:

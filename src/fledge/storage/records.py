@@ -1,8 +1,8 @@
 """Records as trees of JSON values, and back: written once for all records, by their fields.
 
-A dataclass becomes an object with its fields in their order, a tuple a list. JSON has no NaN and no infinity; they
-are written as the strings "NaN", "Infinity" and "-Infinity", as protobuf's JSON mapping does, so a file stays
-strict JSON and no number is lost: Python writes the shortest text that reads back as the same double.
+A dataclass becomes an object with its fields in their order, a tuple a list. JSON has no NaN and no infinity;
+they are written as the strings "NaN", "Infinity" and "-Infinity", as protobuf's JSON mapping does, so a file
+stays strict JSON and no number is lost.
 """
 
 from collections.abc import Callable
@@ -18,7 +18,7 @@ NON_FINITE = {"nan": "NaN", "inf": "Infinity", "-inf": "-Infinity"}
 
 def to_tree(record: Any, leaf: Callable[[str, Any], Any], path: str = "") -> Any:
     """The record as nested dicts and lists; `leaf(path, value)` says what stands for a leaf."""
-    if is_dataclass(record):
+    if is_dataclass(record) and not isinstance(record, type):
         return {f.name: to_tree(getattr(record, f.name), leaf, f"{path}{f.name}.") for f in fields(record)}
     if isinstance(record, tuple):
         return [to_tree(item, leaf, f"{path}{i}.") for i, item in enumerate(record)]
@@ -31,7 +31,7 @@ def from_tree(kind: Any, tree: Any, leaf: Callable[[str, Any, Any], Any], path: 
     Raises:
         FledgeError: the tree is not that of such a record; names where.
     """
-    if is_dataclass(kind):
+    if isinstance(kind, type) and is_dataclass(kind):
         hints = _hints(kind)
         if not isinstance(tree, dict) or tree.keys() != hints.keys():
             has = ", ".join(map(str, tree)) if isinstance(tree, dict) else _shown(tree)

@@ -1,0 +1,57 @@
+# Every verb of the project; `make` alone lists them. A fresh machine needs python3 (3.11 or newer, with venv) and make.
+
+PYTHON ?= python3
+JOBS ?= 2
+BIN := .venv/bin
+SYNCED := .venv/.synced
+# uv brings its own certificates; where Debian keeps the machine's, it takes those, as a company's proxy needs.
+UV := $(BIN)/uv $(if $(wildcard /etc/ssl/certs/ca-certificates.crt),--system-certs)
+
+.DEFAULT_GOAL := help
+.PHONY: help venv reproduce full test check types style lock clean
+
+help: ## list these verbs
+	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+
+venv: $(SYNCED) ## build .venv from requirements.lock, with fledge in it
+	@true
+
+reproduce: $(SYNCED) ## run the study in brief and write report/index.html
+	$(BIN)/fledge reproduce --out report
+
+full: $(SYNCED) ## run the whole study (hours) and write report-full/index.html
+	$(BIN)/fledge reproduce --full --out report-full
+
+test: $(SYNCED) ## run every test; fail below 95 % of lines covered
+	@$(BIN)/python -m pytest -n $(JOBS) --dist loadfile --cov --cov-report=term --cov-fail-under=95
+
+check: $(SYNCED) types ## look at style and types and run the fast tests, in under two minutes
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile -m "not slow"
+
+types: $(SYNCED) ## check types
+	$(BIN)/pyright
+
+style: $(SYNCED) ## format the code and mend what can be mended
+	$(BIN)/ruff check --fix .
+	$(BIN)/ruff format .
+
+lock: | $(BIN)/uv ## write requirements.lock anew from pyproject.toml (UPGRADE=--upgrade takes newer versions)
+	$(UV) pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --generate-hashes \
+	  --no-emit-index-url --no-header $(UPGRADE) --group dev --output-file requirements.lock pyproject.toml
+
+clean: ## remove .venv, caches and builds; reports stay
+	rm -rf .venv .coverage .coverage.* .hypothesis .pytest_cache .ruff_cache build dist
+	find src tests -name __pycache__ -prune -exec rm -rf {} +
+
+$(SYNCED): requirements.lock pyproject.toml | $(BIN)/uv
+	$(UV) pip sync --quiet --python $(BIN)/python --require-hashes requirements.lock
+	$(UV) pip install --quiet --python $(BIN)/python --no-deps --no-build-isolation --editable .
+	@touch $@
+
+$(BIN)/uv:
+	@$(PYTHON) -c 'import sys; sys.exit("fledge needs Python 3.11 or newer" if sys.version_info < (3, 11) else 0)'
+	$(PYTHON) -m venv .venv
+	sed -n '/^uv==/,/# via/p' requirements.lock | \
+	  $(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes --requirement /dev/stdin
