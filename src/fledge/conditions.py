@@ -62,7 +62,7 @@ class Conditions:
             pixel_noise=1.0,
             motion_noise=0.02,
             delay=rng.uniform(0.05, 0.15),
-            offset=Vec3(*rng.uniform(-0.15, 0.15, 2).tolist(), rng.uniform(-0.1, 0.1)),
+            offset=Vec3(rng.uniform(-0.15, 0.15), rng.uniform(-0.15, 0.15), rng.uniform(-0.1, 0.1)),
             yaw=rng.uniform(-np.pi, np.pi),
         )
 

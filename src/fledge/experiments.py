@@ -1,7 +1,7 @@
 """The paper's study as data, and what it finds: section "Experiments", table by table.
 
-A `Setup` says who flies and what that pilot learnt from; a `Study` says how many seeds and cases. `run` does the rest as
-a stream of records: `Progress` while it works, one `Results` at the end. It touches no files.
+A `Setup` says who flies and what that pilot learnt from; a `Study` says how many seeds and cases. `run` does the rest
+as a stream of records: `Progress` while it works, one `Results` at the end. It touches no files.
 
 **What is tested on** is declared here, before any result (D10): Combined flights of 60 s along the two path families
 no demonstration used, with keys no demonstration used, the same for every set-up; and the three sub-tasks
@@ -10,7 +10,7 @@ the other three families. No Combined demonstration reaches a set-up that learns
 """
 
 import platform
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from importlib.metadata import version
 from typing import Any, Literal
@@ -49,6 +49,11 @@ SUB_TASKS = (
     SubTask("descend", Descend.axes),
 )
 COMPOSITE_TASK = SubTask("combined", Combined.axes)
+TASKS = {
+    "sub-tasks": SUB_TASKS,
+    "combined": (COMPOSITE_TASK,),
+    "everything": (*SUB_TASKS, COMPOSITE_TASK),
+}
 YAW = (3,)
 """Never demonstrated, never needed (D1)."""
 
@@ -220,7 +225,7 @@ def run(study: Study, flights: Sequence[Flight], rig: Rig = Rig()) -> Iterator[P
     Raises:
         BadDemonstrations: a manoeuvre's flights are missing.
     """
-    demos = by_manoeuvre(flights)
+    demos = by_sub_task(flights)
     total = len(study.setups) + 2 + bool(study.development_cases)
     cases, keys = test_cases(study)
     results: dict[str, SetupResult] = {}
@@ -246,14 +251,14 @@ def run(study: Study, flights: Sequence[Flight], rig: Rig = Rig()) -> Iterator[P
     yield Results(study, results, summarise(study, results, operator, development, demos, rig))
 
 
-def by_manoeuvre(flights: Sequence[Flight]) -> dict[str, Demonstrations]:
-    """Demonstrations of each manoeuvre.
+def by_sub_task(flights: Sequence[Flight], trained_on: str = "everything") -> dict[str, Demonstrations]:
+    """Demonstrations of each manoeuvre that is there, if those of "sub-tasks", "combined" or everything are.
 
     Raises:
         BadDemonstrations: names the manoeuvres that are missing.
     """
     found = {flight.manoeuvre for flight in flights}
-    needed = {order.manoeuvre.name for order in PAPER_ORDERS}
+    needed = {task.name for task in TASKS[trained_on]}
     if needed - found:
         raise BadDemonstrations(
             f"no demonstrations of {', '.join(sorted(needed - found))}; "
@@ -284,8 +289,7 @@ def composite_set(
     trained_on: str, method: Method, demos: Mapping[str, Demonstrations]
 ) -> tuple[CompositeSet, int]:
     """(the composite set, the delay in rows): what a set-up learns from."""
-    tasks = SUB_TASKS if trained_on == "sub-tasks" else (COMPOSITE_TASK,)
-    chosen = {task: demos[task.name] for task in tasks}
+    chosen = {task: demos[task.name] for task in TASKS[trained_on]}
     delay = estimate_delay(chosen) if method.delay == "estimated" else method.delay
     return fuse(chosen, 4, method.fill, method.inputs, delay, unused=YAW), delay
 
@@ -378,6 +382,31 @@ def choose(study: Study, demos: Mapping[str, Demonstrations], rig: Rig) -> Itera
         }
 
 
+def duel(
+    pilots: Mapping[str, AbstractPilot],
+    manoeuvre: AbstractManoeuvre,
+    cases: int,
+    seed: int,
+    done: Callable[[int], None] = lambda number: None,
+    rig: Rig = Rig(),
+) -> dict[str, Any]:
+    """Fly pilots on the same test cases: a summary of each, and each compared with the first, paired."""
+    keys = [flight_key(seed, "test", manoeuvre.name, i) for i in range(cases)]
+    drawn = [Case.draw(manoeuvre, key, FLIGHT_ROWS) for key in keys]
+    scores: dict[str, Score] = {}
+    for number, (name, pilot) in enumerate(pilots.items()):
+        done(number)
+        crew = Crew(pilot.for_axes(FLYING_AXES), Axes.of(FLYING_AXES))
+        scores[name], _ = evaluate(drawn, crew, [(*key, 1) for key in keys], rig)
+    done(len(pilots))
+    first, *others = scores
+    found = _compare([(first, other) for other in others], (*METRICS, "in_view"), scores, seed)
+    return {
+        "entries": {name: _summary(score) for name, score in scores.items()},
+        "comparisons": [asdict(comparison) for comparison in found],
+    }
+
+
 # What is found
 
 
@@ -459,13 +488,15 @@ def _non_inferior(metric: str, scores: Mapping[str, Score], seed: int) -> dict[s
 def _welch() -> list[dict[str, Any]]:
     """The tests the paper's own printed numbers allow: Welch on mean, sd and n = 10, Holm over the six."""
     pairs = [("human-combined", "dnn-combined"), ("human-combined", "primitive"), ("dnn-combined", "primitive")]
-    rows = [
-        {"a": a, "b": b, "metric": metric, "p": statistics.welch_p(*PAPER_TABLE[a][metric], 10, *PAPER_TABLE[b][metric], 10)}
-        for metric in ("distance", "radius")
-        for a, b in pairs
+    named = [(a, b, metric) for metric in ("distance", "radius") for a, b in pairs]
+    found = [
+        statistics.welch_p(*PAPER_TABLE[a][metric], 10, *PAPER_TABLE[b][metric], 10)
+        for a, b, metric in named
     ]
-    adjusted = statistics.holm([row["p"] for row in rows])
-    return [row | {"p_holm": p} for row, p in zip(rows, adjusted, strict=True)]
+    return [
+        {"a": a, "b": b, "metric": metric, "p": p, "p_holm": adjusted}
+        for (a, b, metric), p, adjusted in zip(named, found, statistics.holm(found), strict=True)
+    ]
 
 
 def _summary(scores: Score) -> dict[str, Any]:

@@ -217,8 +217,9 @@ def rollout(
         return fly_row(state, target, noise_of(drawn), scene, scan)
 
     case, crew, rig = scene
+    _register((case, crew))
     begin = start(case, crew, rig)
-    _register((begin, case, crew))
+    _register(begin)
     _, episode = scan(step, begin, (case.plan.track, chance))
     return episode
 

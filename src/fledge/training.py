@@ -5,8 +5,8 @@ A `Recipe` is the optimiser and nothing else; what is learnt was decided in `fus
 deviation 1e-4) and `Recipe.fast()` reaches the same held-out error in seconds (mini-batches, cosine schedule, split
 by episode, the best epoch on held-out episodes kept).
 
-`train` is a generator of `Checkpoint`s: many seeds at once by `vmap`, and each checkpoint is all that is needed to go on
-exactly where it was made. The order of the rows is a function of seed and epoch, so nothing else is to be remembered.
+`train` is a generator of `Checkpoint`s: many seeds at once by `vmap`, and each checkpoint is all that is needed to go
+on exactly where it was made. The order of the rows is a function of seed and epoch: nothing else is to be remembered.
 """
 
 from collections.abc import Iterator, Sequence
@@ -36,7 +36,7 @@ class Recipe:
     """Rows per step; None for all of them."""
     learning_rate: float = 2e-3
     schedule: Literal["constant", "cosine"] = "cosine"
-    weight_decay: float = 0.3
+    weight_decay: float = 1.0
     """Decoupled (AdamW), in units of the learning rate."""
     init: Literal["paper", "constant", "he"] = "he"
     """Normal of sd 1e-4, the constant 1e-4, or He's normal (D5)."""
@@ -119,17 +119,6 @@ class Checkpoint:
     """Shape (seeds,)."""
     curve: LossCurve
 
-    def leaves(self) -> list[np.ndarray]:
-        """Its arrays but the curve's, in a fixed order, for a file."""
-        state = (self.layers, self.optimiser, self.best, self.best_loss)
-        return [np.asarray(leaf) for leaf in jax.tree.leaves(state)]
-
-    def with_leaves(self, leaves: Sequence[np.ndarray], epoch: int, curve: LossCurve) -> "Checkpoint":
-        """One like this with other content: the way back from a file."""
-        state = (self.layers, self.optimiser, self.best, self.best_loss)
-        filled = jax.tree.unflatten(jax.tree.structure(state), [jnp.asarray(leaf) for leaf in leaves])
-        return Checkpoint(epoch, *filled, curve)
-
 
 @dataclass(frozen=True, slots=True)
 class Data:
@@ -156,10 +145,7 @@ def fit(
 ) -> tuple[Policy, LossCurve]:
     """Train one policy: the whole of `train`, and its result."""
     recipe = recipe or Recipe.fast()
-    last = None
-    for last in train(composite, recipe, [key]):
-        pass
-    assert last is not None
+    *_, last = train(composite, recipe, [key])
     return member(policies(composite, recipe, last, contract), 0), member_curve(last.curve, 0)
 
 
@@ -209,6 +195,33 @@ def begin(composite: CompositeSet, recipe: Recipe, keys: Sequence[int]) -> Check
     empty = np.empty((len(keys), 0, len(composite.names) + 1))
     curve = LossCurve(np.empty(0, dtype=int), empty, empty, composite.names)
     return Checkpoint(0, layers, opt_state, layers, jnp.full(len(keys), jnp.inf), curve)
+
+
+def arrays(state: Checkpoint) -> dict[str, np.ndarray]:
+    """A checkpoint as named arrays, for a file."""
+    leaves = jax.tree.leaves((state.layers, state.optimiser, state.best, state.best_loss))
+    named = {f"state{i:03d}": np.asarray(leaf) for i, leaf in enumerate(leaves)}
+    curve = state.curve
+    return named | {
+        "epoch": np.asarray(state.epoch),
+        "curve_epochs": curve.epochs,
+        "curve_training": curve.training,
+        "curve_validation": curve.validation,
+    }
+
+
+def restore(
+    composite: CompositeSet, recipe: Recipe, keys: Sequence[int], stored: dict[str, np.ndarray]
+) -> Checkpoint:
+    """The checkpoint that `arrays` took apart."""
+    fresh = begin(composite, recipe, keys)
+    like = (fresh.layers, fresh.optimiser, fresh.best, fresh.best_loss)
+    leaves = [jnp.asarray(stored[name]) for name in sorted(stored) if name.startswith("state")]
+    curve = LossCurve(
+        stored["curve_epochs"], stored["curve_training"], stored["curve_validation"], composite.names
+    )
+    layers, optimiser, best, best_loss = jax.tree.unflatten(jax.tree.structure(like), leaves)
+    return Checkpoint(int(stored["epoch"]), layers, optimiser, best, best_loss, curve)
 
 
 def policies(

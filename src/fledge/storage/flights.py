@@ -4,7 +4,7 @@
 |---|---|
 | metadata `fledge.flight` | format version, and all about the flight but its rows; each value is JSON |
 | topic `/fledge/row` | one message per 20 Hz row: the fields of `Episode`, each leaf a number |
-| topics `/fledge/frames`, `/fledge/scene` | for Foxglove's 3D panel; derived, never read back (`foxglove.py`) |
+| topics `/fledge/frames`, `/fledge/scene` | for Foxglove's 3D panel; derived, never read back |
 | metadata `fledge.end` | how many rows there are and of what dtype each leaf is |
 
 Messages and schemas are JSON. A number is written so that it reads back as the same number: a flight comes
@@ -153,7 +153,7 @@ class FlightLog:
             self._dtypes[path] = np.result_type(self._dtypes[path], column.dtype)
         texts = zip(*_texts(columns), strict=True)
         frames = poses(rows.world, now)
-        shown: list[bool] = np.isfinite(frames).all(axis=1).tolist()  # pyright: ignore
+        shown = np.asarray(np.isfinite(frames).all(axis=1)).tolist()
         for t, text, frame, show in zip(now.tolist(), texts, frames.tolist(), shown, strict=True):
             self._put(self._row_channel, t, self._row_template % text)
             if show:

@@ -100,7 +100,7 @@ def _graph(policy: Policy) -> onnx.GraphProto:
     stored = [numpy_helper.from_array(np.array(policy.inputs, dtype="<i8"), "inputs")]
     stored += [numpy_helper.from_array(_float32(array), name) for name, array in parameters.items()]
     actions = np.shape(policy.biases[-1])[0]
-    state = helper.make_tensor_value_info("state", TensorProto.FLOAT, ["rows", policy.states])
+    state = helper.make_tensor_value_info("state", TensorProto.FLOAT, ["rows", int(policy.states)])
     action = helper.make_tensor_value_info("action", TensorProto.FLOAT, ["rows", actions])
     return helper.make_graph(nodes, "policy", [state], [action], stored)
 
