@@ -1,60 +1,86 @@
-"""What the command line shows: progress with time left, tables, one clear line for an error.
+"""What the command line shows: progress, results, one clear line for an error.
 
-Progress goes to standard error, and only to a terminal; results go to standard output.
+Results go to standard output; progress and remarks go to standard error. Progress is drawn on a terminal only, so a log
+stays quiet. Where a machine reads along (`--json -`), standard output holds the JSON and nothing else.
 """
 
+import json
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
+from rich import box
 from rich.console import Console
-from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn, TimeRemainingColumn
-from rich.table import Table
+from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+from rich.table import Table as Grid
 
-_OUT = Console()
-_ERR = Console(stderr=True)
+from fledge.tables import Table
+
+STANDARD_OUTPUT = Path("-")
+"""As a file's name."""
 
 
 class Bar:
-    """One line of progress whose stage may change."""
+    """How far a job is: one line per stage."""
 
     def __init__(self, progress: Progress) -> None:
         self._progress = progress
-        self._tasks: dict[str, Any] = {}
+        self._stages: dict[str, TaskID] = {}
 
     def update(self, stage: str, done: float, total: float) -> None:
-        """Show how far a stage is."""
-        if stage not in self._tasks:
-            self._tasks[stage] = self._progress.add_task(stage, total=total)
-        self._progress.update(self._tasks[stage], completed=done, total=total)
+        """Show how far a stage is; a new stage gets a new line."""
+        if stage not in self._stages:
+            self._stages[stage] = self._progress.add_task(stage, total=total)
+        self._progress.update(self._stages[stage], completed=done, total=total)
 
 
 @contextmanager
 def progress() -> Iterator[Bar]:
-    """Progress bars with time left on a terminal; nothing elsewhere."""
+    """Bars with the time left, on a terminal; nothing elsewhere."""
     columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=_ERR, disable=not sys.stderr.isatty()) as shown:
-        yield Bar(shown)
+    with Progress(*columns, console=Console(stderr=True), disable=not sys.stderr.isatty()) as drawn:
+        yield Bar(drawn)
 
 
-def table(title: str, columns: Iterable[str], rows: Iterable[Iterable[str]]) -> None:
-    """A table on standard output; the first column is text, the others numbers."""
-    drawn = Table(title=title, title_justify="left")
-    for i, column in enumerate(columns):
-        drawn.add_column(column, justify="left" if i == 0 else "right", no_wrap=True)
-    for row in rows:
-        drawn.add_row(*row)
-    # Piped, a table is as wide as it needs to be.
-    wide = _OUT if _OUT.is_terminal else Console(width=200)
-    wide.print(drawn)
+def show(summary: Mapping[str, Any], file: Path | None, *shown: Table | str) -> None:
+    """The result of a command: tables and lines for people, the summary as JSON for machines.
 
+    Args:
+        summary: plain JSON values.
+        file: where to store the summary, if anywhere; `STANDARD_OUTPUT` shows it in place of all else.
+        shown: what people read.
+    """
+    if file == STANDARD_OUTPUT:
+        _line(json.dumps(summary, indent=1, sort_keys=True, ensure_ascii=False, allow_nan=False))
+        return
+    if file is not None:
+        from fledge.storage import write_json
 
-def say(text: str) -> None:
-    """A line of results, wrapped nowhere."""
-    _OUT.print(text, markup=False, highlight=False, soft_wrap=True)
+        write_json(file, summary)
+    for part in shown:
+        _grid(part) if isinstance(part, Table) else _line(part)
 
 
 def note(text: str) -> None:
     """A remark on standard error."""
-    _ERR.print(text, markup=False, highlight=False, soft_wrap=True)
+    _line(text, Console(stderr=True))
+
+
+def _line(text: str, console: Console | None = None) -> None:
+    """A line as it is: no colours, no emoji codes, wrapped nowhere."""
+    (console or Console()).print(text, markup=False, highlight=False, emoji=False, soft_wrap=True)
+
+
+def _grid(table: Table) -> None:
+    """The first column is text, the others are numbers; in a pipe it is as wide as it needs to be."""
+    grid = Grid(box=box.SIMPLE, pad_edge=False, show_edge=False)
+    for i, column in enumerate(table.columns):
+        grid.add_column(column, justify="right" if i else "left", no_wrap=bool(i), overflow="fold")
+    for row in table.rows:
+        grid.add_row(*row)
+    console = Console()
+    _line(table.title, console)
+    console.print(grid, width=None if console.is_terminal else 1000, markup=False, highlight=False, emoji=False)
+    _line("", console)

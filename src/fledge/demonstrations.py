@@ -20,6 +20,7 @@ from fledge.observation import ACTION_NAMES, OBSERVATION_NAMES, Axes
 from fledge.pilots import AbstractPilot
 from fledge.simulation import Case, Crew, Rig, flight_key, fly, fly_plain, take, traceable
 
+
 @dataclass(frozen=True, slots=True)
 class Order:
     """How many episodes of a manoeuvre to fly, and how many rows in all."""
@@ -61,7 +62,8 @@ class Demonstrations:
         """
         if isinstance(data, Demonstrations):
             return data
-        bare = isinstance(data, tuple) and len(data) == 2 and np.ndim(data[0]) == 2
+        bare = isinstance(data, tuple) and len(data) == 2
+        bare = bare and not (isinstance(data[0], tuple) and np.ndim(data[0][:1]) == 3)  # two episodes
         pairs: Iterable[Pair] = [data] if bare else data  # type: ignore[list-item]
         episodes = tuple(_checked(pair, f"{name}, episode {i}") for i, pair in enumerate(pairs))
         if not episodes:
@@ -138,7 +140,10 @@ def of_flights(flights: Sequence[Flight]) -> Demonstrations:
 
 
 def _checked(pair: Pair, name: str) -> Pair:
-    states, actions = (np.asarray(part, dtype=np.float64) for part in pair)
+    try:
+        states, actions = (np.asarray(part, dtype=np.float64) for part in pair)
+    except (TypeError, ValueError) as error:
+        raise BadDemonstrations(f"{name}: not a pair (states, actions) of numbers: {error}") from error
     if states.ndim != 2 or actions.ndim != 2 or len(states) != len(actions) or not len(states):
         raise BadDemonstrations(
             f"{name}: states of shape {states.shape} and actions of shape {actions.shape}; "

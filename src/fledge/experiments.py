@@ -236,13 +236,14 @@ def run(study: Study, flights: Sequence[Flight], rig: Rig = Rig()) -> Iterator[P
             for learnt in learn(setup, demos, study, rig):
                 if isinstance(learnt, Progress):
                     yield learnt
-        pilot = learnt.policy if isinstance(learnt, Learnt) else setup.pilot
+        # The contract names the data: left in, every set-up would be compiled anew.
+        pilot = replace(learnt.policy, contract=None) if isinstance(learnt, Learnt) else setup.pilot
         assert pilot is not None
         crew = Crew(pilot.for_axes(FLYING_AXES), Axes.of(FLYING_AXES))
         scores, first = evaluate(cases, crew, keys, rig, team=setup.trained_on is not None)
         results[setup.name] = _result(setup, study, scores, _sample(study, setup, first, cases[0], rig), learnt)
     yield Progress("operator", len(study.setups), total)
-    operator = [asdict(axis) | {"inside": axis.inside} for axis in credibility(HumanModel(), study.seed)]
+    operator = [asdict(axis) | {"inside": axis.inside} for axis in credibility(HumanModel(), study.seed, rig=rig)]
     development = None
     if study.development_cases:
         yield Progress("development", total - 2, total)
@@ -374,7 +375,7 @@ def choose(study: Study, demos: Mapping[str, Demonstrations], rig: Rig) -> Itera
         setup = Setup(name, name, trained_on="sub-tasks", method=method, seeds=3)
         *_, learnt = learn(setup, demos, study, rig)
         assert isinstance(learnt, Learnt)
-        crew = Crew(learnt.policy, Axes.of(FLYING_AXES))
+        crew = Crew(replace(learnt.policy, contract=None), Axes.of(FLYING_AXES))
         scores, _ = evaluate(cases, crew, [(*key, 1) for key in keys], rig, team=True)
         row = _summary(scores)
         yield {"name": name, **learnt.learning} | {
@@ -462,7 +463,9 @@ def summarise(
             for family, found in (("primary", primary), ("exploratory", exploratory))
             for comparison in found
         ],
-        "non_inferiority": [_non_inferior(metric, scores, study.seed) for metric in METRICS],
+        "non_inferiority": [
+            _non_inferior(metric, scores, study.seed) for metric in METRICS if set(PRIMARY[1]) <= set(scores)
+        ],
         "paper": {"table": PAPER_TABLE, "welch": _welch()},
         "development": development,
     }
@@ -480,7 +483,7 @@ def _compare(
 
 
 def _non_inferior(metric: str, scores: Mapping[str, Score], seed: int) -> dict[str, Any]:
-    a, b = "primitive", "human-combined"
+    a, b = PRIMARY[1]
     found = statistics.non_inferior(getattr(scores[a], metric), getattr(scores[b], metric), MARGIN, seed)
     return {"a": a, "b": b, "metric": metric} | asdict(found)
 

@@ -23,6 +23,7 @@ import numpy as np
 from fledge.camera import look
 from fledge.episode import Flight
 from fledge.observation import ROW_RATE
+from fledge.world import Obstacle
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -107,7 +108,7 @@ DOTS_PER_INCH = 150
 VALIDATION = (0.0, (4.0, 1.5))
 IDEAL = (0.0, (5.0, 3.0))
 """Dashes that mean the same in every panel."""
-STYLE = {
+STYLE: dict[Any, Any] = {
     "font.family": ["DejaVu Sans"],  # comes with matplotlib, so every machine lays out alike
     "font.size": 8.5,
     "axes.titlesize": 8.5,
@@ -153,10 +154,10 @@ class Plot:
 
 
 def looks(names: Sequence[str]) -> dict[str, Look]:
-    """The look of each set-up; strangers get theirs in the order in which they come."""
+    """The look of each set-up, ours first; strangers get theirs in the order in which they come."""
     strangers = [name for name in names if name not in LOOKS]
     lent = {name: STRANGERS[i % len(STRANGERS)] for i, name in enumerate(strangers)}
-    return {name: LOOKS.get(name) or lent[name] for name in names}
+    return {name: how for name, how in LOOKS.items() if name in names} | lent
 
 
 def draw(results: Results, flights: Flights) -> list[Plot]:
@@ -186,7 +187,8 @@ def _plots(results: Results, flights: Flights) -> Iterator[Plot]:
 
 def training(results: Results) -> "Figure":
     """Training and validation loss over epochs, one panel per trained set-up."""
-    trained = {name: setup["curve"] for name, setup in results["setups"].items() if setup["curve"]}
+    setups = results["setups"]
+    trained = {name: setups[name]["curve"] for name in looks(list(setups)) if setups[name]["curve"]}
     columns = min(len(trained), 4)
     figure, panels = _panels(-(-len(trained) // columns), columns, 1.6, apart=(0.12, 0.62), sharey=True)
     for panel, (name, curve) in zip(panels, trained.items(), strict=False):
@@ -196,12 +198,13 @@ def training(results: Results) -> "Figure":
         panel.set_visible(False)
     for panel in panels[::columns]:
         panel.set_ylabel("mean squared error")
-    shown = {part: PARTS[part] for part in PARTS if any(part in curve["training"] for curve in trained.values())}
+    shown = [part for part in PARTS if any(part in curve["training"] for curve in trained.values())]
+    thin = {"linewidth": 0.9, "markersize": 3.5}
     _legend(
         figure,
         _line("all rows, training", color=INK, linewidth=1.5),
         _line("all rows, validation", color=INK, linewidth=1.5, linestyle=VALIDATION),
-        *(_line(part, color=how.light, linewidth=0.9, marker=how.marker, markersize=3.5) for part, how in shown.items()),
+        *(_line(part, color=PARTS[part].light, marker=PARTS[part].marker, **thin) for part in shown),
     )
     return figure
 
@@ -262,13 +265,22 @@ def _circle(panel: "Axes", flight: Flight, how: Look, axis: str) -> None:
 
 def top_view(flights: Flights) -> "Figure":
     """Obstacles and tracks from above, one panel per set-up."""
-    figure, panels = _panels(1, len(flights), 1.8, apart=(0.1, 0.0), sharex=True, sharey=True)
-    for panel, (name, flight) in zip(panels, flights.items(), strict=True):
+    xlim, ylim = _frame(list(flights.values()))
+    columns = min(len(flights), 2)
+    height = (WIDTH - 1.0) / 2.0 * (ylim[1] - ylim[0]) / (xlim[1] - xlim[0])
+    shared = {"sharex": True, "sharey": True}
+    figure, panels = _panels(-(-len(flights) // columns), columns, height, apart=(0.12, 0.32), **shared)
+    for panel, (name, flight) in zip(panels, flights.items(), strict=False):
         _arena(panel, flight)
         _tracks(panel, flight, LOOKS[name])
-        panel.set(title=name, xlabel="x, east [m]", aspect="equal")
-    _frame(panels[0], list(flights.values()))
-    panels[0].set_ylabel("y, north [m]")
+        panel.set(title=name, xlim=xlim, ylim=ylim, aspect="equal")
+        panel.locator_params(nbins=6, integer=True)
+    for panel in panels[len(flights) :]:
+        panel.set_visible(False)
+    for panel in panels[::columns]:
+        panel.set_ylabel("y, north [m]")
+    for panel in panels[-columns:]:
+        panel.set_xlabel("x, east [m]")
     _legend(
         figure,
         _line("UAV, from the ring to the marker", color=INK),
@@ -281,17 +293,22 @@ def top_view(flights: Flights) -> "Figure":
 def _arena(panel: "Axes", flight: Flight) -> None:
     from matplotlib.patches import Rectangle
 
-    walls = flight.arena.bounds
-    boxes = [(walls, {"fill": False, "edgecolor": MUTED, "linewidth": 1.6})]
-    for obstacle in flight.arena.obstacles:
+    walls = {"fill": False, "edgecolor": MUTED, "linewidth": 1.6}
+    solid = {"facecolor": MUTED, "alpha": 0.45, "linewidth": 0.0}
+    boxes = [(flight.arena.bounds, walls)]
+    for obstacle in _obstacles(flight):
         box = obstacle.footprint
-        if walls.x_min < box.x_min < walls.x_max:  # else padding, out of reach
-            boxes.append((box, {"facecolor": MUTED, "alpha": 0.45, "linewidth": 0.0}))
-            middle = (box.y_min + box.y_max) / 2.0
-            text = f"{obstacle.height:.1f}"
-            panel.text(box.x_max + 0.08, middle, text, fontsize=7.0, va="center", clip_on=True)
+        boxes.append((box, solid))
+        middle = (box.x_min + box.x_max) / 2.0
+        text = f"{obstacle.height:.1f}"
+        panel.text(middle, box.y_max + 0.04, text, fontsize=7.0, ha="center", va="bottom", clip_on=True)
     for box, style in boxes:
         panel.add_patch(Rectangle((box.x_min, box.y_min), box.x_max - box.x_min, box.y_max - box.y_min, **style))
+
+
+def _obstacles(flight: Flight) -> list[Obstacle]:
+    """Without those that only pad the arena, out of reach."""
+    return [one for one in flight.arena.obstacles if one.footprint.x_min < flight.arena.bounds.x_max]
 
 
 def _tracks(panel: "Axes", flight: Flight, how: Look) -> None:
@@ -306,21 +323,20 @@ def _tracks(panel: "Axes", flight: Flight, how: Look) -> None:
     panel.plot(x[-1:], y[-1:], color=how.light, marker=how.marker, markersize=5.5)
 
 
-def _frame(panel: "Axes", flights: Sequence[Flight]) -> None:
-    """The square that holds every track and every obstacle."""
+def _frame(flights: Sequence[Flight]) -> list[tuple[float, float]]:
+    """Limits along x and y that hold every track and obstacle: at most twice as wide as high, never higher."""
     sides = []
     for name in ("x", "y"):
-        ends = [np.asarray(getattr(flight.episode.world.uav.position, name)) for flight in flights]
-        ends += [np.asarray(getattr(ugv, name)) for flight in flights for ugv in flight.episode.world.ugvs]
-        walls = flights[0].arena.bounds
-        boxes = [box.footprint for box in flights[0].arena.obstacles if box.footprint.x_min < walls.x_max]
-        ends += [np.array([getattr(box, f"{name}_min"), getattr(box, f"{name}_max")]) for box in boxes]
-        together = np.concatenate(ends)
-        sides.append((together.min(), together.max()))
-    half = max(high - low for low, high in sides) / 2.0 + 0.35
-    xlim, ylim = (((low + high) / 2.0 - half, (low + high) / 2.0 + half) for low, high in sides)
-    panel.set(xlim=xlim, ylim=ylim)
-    panel.locator_params(nbins=5, integer=True)
+        worlds = [flight.episode.world for flight in flights]
+        tracks = [np.asarray(getattr(body, name)) for world in worlds for body in (world.uav.position, *world.ugvs)]
+        boxes = [obstacle.footprint for obstacle in _obstacles(flights[0])]
+        edges = [getattr(box, f"{name}_{side}") for box in boxes for side in ("min", "max")]
+        reached = np.concatenate([*tracks, edges])
+        sides.append((float(reached.min() + reached.max()) / 2.0, float(np.ptp(reached)) / 2.0 + 0.3))
+    (x, half_x), (y, half_y) = sides
+    half_x = max(half_x, half_y)
+    half_y = max(half_y, half_x / 2.0)
+    return [(x - half_x, x + half_x), (y - half_y, y + half_y)]
 
 
 def altitude(flights: Flights) -> "Figure":
@@ -399,7 +415,8 @@ def forest(results: Results) -> "Figure":
     pairs = list(dict.fromkeys((one["a"], one["b"]) for one in primary))
     metrics = [metric for metric in METRICS if any(one["metric"] == metric for one in primary)]
     how = looks(list(results["setups"]))
-    figure, panels = _panels(1, len(metrics), 0.36 * len(pairs) + 0.1, left=2.1, apart=(0.1, 0.0), sharey=True, keyed=False)
+    height = 0.36 * len(pairs) + 0.1
+    figure, panels = _panels(1, len(metrics), height, left=2.1, apart=(0.1, 0.0), sharey=True, keyed=False)
     for panel, metric in zip(panels, metrics, strict=True):
         name, factor = METRICS[metric]
         for one in (one for one in primary if one["metric"] == metric):
@@ -407,8 +424,9 @@ def forest(results: Results) -> "Figure":
         panel.axvline(0.0, color=INK, linewidth=0.9)
         panel.grid(visible=False, axis="y")
         panel.margins(x=0.15)
-        better = "the first is better \N{RIGHTWARDS ARROW}" if metric == "in_view" else "\N{LEFTWARDS ARROW} the first is better"
-        panel.set(xlabel=f"difference in {name}", title=better)
+        better = "the first is better"
+        arrow = f"{better} \N{RIGHTWARDS ARROW}" if metric == "in_view" else f"\N{LEFTWARDS ARROW} {better}"
+        panel.set(xlabel=f"difference in {name}", title=arrow)
         panel.tick_params(axis="y", length=0.0)
         panel.locator_params(axis="x", nbins=6)
     panels[0].set_yticks(range(len(pairs)), [f"{a} \N{MINUS SIGN} {b}" for a, b in pairs])
@@ -427,7 +445,7 @@ def _whisker(panel: "Axes", row: int, one: Mapping[str, Any], factor: float, how
 
 def _panels(
     rows: int, columns: int, height: float, *, left: float = 0.62, above: float = 0.25,
-    apart: tuple[float, float] = (0.0, 0.0), keyed: bool = True, **shared: bool,
+    apart: tuple[float, float] = (0.0, 0.0), keyed: bool = True, **shared: Any,
 ) -> tuple["Figure", list["Axes"]]:  # fmt: skip
     """A figure and its panels, row by row; all measures in inches.
 
@@ -535,7 +553,7 @@ def swatch(how: Look) -> str:
     style = MarkerStyle(how.marker)
     path = style.get_path().transformed(style.get_transform())
     outline = "".join(
-        "M" + "L".join(f"{16.0 + 7.0 * x:.1f},{6.0 - 7.0 * y:.1f}" for x, y in polygon) + "Z"
+        "M" + "L".join(f"{16.0 + 7.0 * x:.1f},{6.0 - 7.0 * y:.1f}" for x, y in np.asarray(polygon)) + "Z"
         for polygon in path.to_polygons()
     )
     colour, dashes = variables()[how.light], " ".join(f"{1.6 * length:g}" for length in how.dashes)

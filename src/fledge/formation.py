@@ -72,30 +72,41 @@ class FormationControl:
         me, radius, b = ugvs[i], self.fleet[i].radius, arena.bounds
         for j, other in enumerate(ugvs):
             if j != i:
-                gap = radius + self.fleet[j].radius
-                ux, uy = self._limit(me.x - other.x, me.y - other.y, gap, ux, uy)
+                dx, dy = me.x - other.x, me.y - other.y
+                ux, uy = self._limit((dx, dy), (dx, dy), radius + self.fleet[j].radius, ux, uy)
         for obstacle in arena.obstacles:
-            dx, dy = obstacle.footprint.gap(me.x, me.y)
-            ux, uy = self._limit(dx, dy, radius, ux, uy)
+            box = obstacle.footprint
+            middle = (me.x - 0.5 * (box.x_min + box.x_max), me.y - 0.5 * (box.y_min + box.y_max))
+            ux, uy = self._limit(box.gap(me.x, me.y), middle, radius, ux, uy)
         zero = 0.0 * me.x
-        for dx, dy in (
+        for gap in (
             (me.x - b.x_min, zero),
             (me.x - b.x_max, zero),
             (zero, me.y - b.y_min),
             (zero, me.y - b.y_max),
         ):
-            ux, uy = self._limit(dx, dy, radius, ux, uy)
+            ux, uy = self._limit(gap, (me.x, me.y), radius, ux, uy)
         return ux, uy
 
     def _limit(
-        self, dx: Scalar, dy: Scalar, radius: Scalar, ux: Scalar, uy: Scalar
+        self,
+        gap: tuple[Scalar, Scalar],
+        middle: tuple[Scalar, Scalar],
+        radius: Scalar,
+        ux: Scalar,
+        uy: Scalar,
     ) -> tuple[Scalar, Scalar]:
-        """(ux, uy) with its approach along (dx, dy), the way out, held to the free distance."""
+        """The velocity with its approach held to the free distance, and the excess turned into sliding.
+
+        `gap` points to the UGV from the nearest point of what is in the way, `middle` from its middle. The UGV slides
+        to the side on which it is already, seen along its way: the choice confirms itself and never dithers.
+        """
+        dx, dy = gap
         far = sqrt(dx * dx + dy * dy) + TINY
         nx, ny = dx / far, dy / far
         free = far - radius - self.clearance
         excess = maximum(-self.approach * free - (ux * nx + uy * ny), 0.0)
-        side = where(ux * -ny + uy * nx >= 0.0, self.slide, -self.slide)
+        side = where(uy * middle[0] - ux * middle[1] >= 0.0, self.slide, -self.slide)
         return ux + excess * (nx - side * ny), uy + excess * (ny + side * nx)
 
     def _steer(self, ugv: UgvState, ux: Scalar, uy: Scalar) -> VelocityCommand:

@@ -14,12 +14,12 @@ paper's F_state and F_action; `fuse` is its loop. Three choices are made here an
 import hashlib
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
 
 import numpy as np
 
 from fledge.demonstrations import Demonstrations, Pair
-from fledge.errors import BadDemonstrations, OutOfRange
+from fledge.errors import BadDemonstrations, OutOfRange, UnknownName
 
 Fill = Literal["zero", "mask"]
 
@@ -73,8 +73,8 @@ class CompositeSet:
     def digest(self) -> str:
         """SHA-256 of the content: which data a policy was trained on."""
         sha = hashlib.sha256(repr((self.names, self.inputs)).encode())
-        for array in (self.states, self.actions, self.mask, self.episode):
-            sha.update(np.ascontiguousarray(array).tobytes())
+        for array in (self.states, self.actions, self.mask, self.episode, self.subtask):
+            sha.update(repr(array.shape).encode() + np.ascontiguousarray(array).tobytes())
         return sha.hexdigest()
 
     def take(self, rows: int) -> "CompositeSet":
@@ -112,10 +112,16 @@ def fuse(
 
     Raises:
         BadDemonstrations: dimensions that do not fit, or an action dim that no sub-task demonstrates.
-        OutOfRange: `delay` negative or not shorter than every episode.
+        OutOfRange: `delay` negative or not shorter than every episode, `inputs` or `unused` that do not exist.
+        UnknownName: another `fill`.
     """
     checked = {task: Demonstrations.of(data, task.name) for task, data in demonstrations.items()}
     state_dim = _check(checked, action_dim, unused, neutral)
+    if fill not in get_args(Fill):
+        raise UnknownName("fill", fill, get_args(Fill))
+    for what, dims, limit in (("inputs", inputs or (), state_dim), ("unused", unused, action_dim)):
+        if any(not 0 <= dim < limit for dim in dims):
+            raise OutOfRange(what, tuple(dims), f"0 to {limit - 1}")
     neutral_state = np.zeros(state_dim) if neutral is None else np.asarray(neutral, dtype=float)
     parts: list[tuple[np.ndarray, ...]] = []
     for index, (task, data) in enumerate(checked.items()):

@@ -133,6 +133,7 @@ Scan = Callable[[Callable[[Any, Any], tuple[Any, Any]], Any, Any], tuple[Any, An
 
 def start(case: Case, crew: Crew, rig: Rig) -> FlightState:
     """UGVs on their corners, the UAV hovering above them, everybody rested."""
+    _register((case, crew))
     track, c = _row(case.plan.track, 0), case.conditions
     zero = 0.0 * track.x
     ugvs = tuple(
@@ -143,7 +144,7 @@ def start(case: Case, crew: Crew, rig: Rig) -> FlightState:
     above = Vec3(track.x, track.y, rig.lens.focal_px * track.spread / rig.ideal_radius)
     uav = UavState(above + c.offset, still, Quat.from_yaw(c.yaw + zero), still, zero)
     world = WorldState(zero, uav, ugvs)
-    return FlightState(
+    begin = FlightState(
         row=zero,
         world=world,
         uav=rig.uav.init(uav),
@@ -153,6 +154,8 @@ def start(case: Case, crew: Crew, rig: Rig) -> FlightState:
         pilot=crew.pilot.init(),
         net=crew.net.init(case.plan.arena, world),
     )
+    _register(begin)
+    return begin
 
 
 def fly_row(
@@ -217,9 +220,7 @@ def rollout(
         return fly_row(state, target, noise_of(drawn), scene, scan)
 
     case, crew, rig = scene
-    _register((case, crew))
     begin = start(case, crew, rig)
-    _register(begin)
     _, episode = scan(step, begin, (case.plan.track, chance))
     return episode
 
@@ -350,8 +351,11 @@ def traceable(pilot: AbstractPilot) -> bool:
     _register((pilot, seen, memory))
     noise = (number, number, number, number)
     try:
-        jax.eval_shape(lambda o, n: jax.tree.leaves(pilot.act(memory, o, n)[1]), seen, noise)
-    except jax.errors.JAXTypeError:
+        # As in a flight: the memory goes through a scan, so it is traced, too, and must keep its kind.
+        jax.eval_shape(
+            lambda m, o, n: jax.lax.scan(lambda m, _: (pilot.act(m, o, n)[0], ()), m, length=1), memory, seen, noise
+        )
+    except (TypeError, ValueError):  # JAX's own errors are TypeErrors
         return False
     return True
 

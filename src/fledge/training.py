@@ -70,10 +70,10 @@ class Recipe:
         return cls(epochs=epochs, points=epochs)
 
     def checked(self) -> "Recipe":
-        """Itself, if its numbers make sense.
+        """Itself, if its fields make sense.
 
         Raises:
-            OutOfRange: names the number.
+            OutOfRange: names the field.
         """
         for name, valid, ok in (
             ("epochs", "1 or more", self.epochs >= 1),
@@ -81,7 +81,11 @@ class Recipe:
             ("learning_rate", "above 0, to 1", 0.0 < self.learning_rate <= 1.0),
             ("weight_decay", "0 or more", self.weight_decay >= 0.0),
             ("validation", "above 0, below 1", 0.0 < self.validation < 1.0),
-            ("points", "1 to epochs", 1 <= self.points),
+            ("points", "1 or more", self.points >= 1),
+            ("schedule", "constant or cosine", self.schedule in ("constant", "cosine")),
+            ("init", "paper, constant or he", self.init in ("paper", "constant", "he")),
+            ("split", "row or episode", self.split in ("row", "episode")),
+            ("keep", "last or best", self.keep in ("last", "best")),
         ):
             if not ok:
                 raise OutOfRange(f"recipe {name}", getattr(self, name), valid)
@@ -165,8 +169,8 @@ def train(
     )
     measure = jax.jit(jax.vmap(partial(_losses, data)))
     while state.epoch < recipe.epochs:
-        layers, opt_state = run(state.layers, state.optimiser, seeds, state.epoch)
-        epoch = state.epoch + recipe.stride
+        epoch = min(state.epoch + recipe.stride, recipe.epochs)
+        layers, opt_state = run(state.layers, state.optimiser, seeds, np.arange(state.epoch, epoch))
         training, validation = measure(layers)
         better = validation[:, 0] < state.best_loss
         best = jax.tree.map(
@@ -292,13 +296,14 @@ def _split(composite: CompositeSet, recipe: Recipe) -> tuple[np.ndarray, np.ndar
             rows = np.flatnonzero(composite.subtask == task)
             held.append(rows[len(rows) - max(round(recipe.validation * len(rows)), 1) :])
             continue
-        count = max(round(recipe.validation * len(units)), 1)
+        count = min(max(round(recipe.validation * len(units)), 1), len(units))
         held.append(np.flatnonzero(np.isin(unit, rng.choice(units, count, replace=False))))
     held_out = np.sort(np.concatenate(held))
     train = np.setdiff1d(np.arange(len(composite.states)), held_out)
-    if not len(train):
+    bare = [name for i, name in enumerate(composite.names) if i not in composite.subtask[train]]
+    if bare:
         raise BadDemonstrations(
-            f"{len(composite.states)} rows leave nothing to train on after holding out "
+            f"{len(composite.states)} rows leave nothing of {', '.join(bare)} to train on after holding out "
             f"{len(held_out)}: give more rows or episodes"
         )
     return train, held_out
@@ -354,9 +359,9 @@ def _epochs(
     layers: Layers,
     state: Any,
     key: jax.Array,
-    first: Any,
+    numbers: Any,
 ) -> tuple[Layers, Any]:
-    """The next `recipe.stride` epochs of one seed."""
+    """Some epochs of one seed, shape (epochs,)."""
     rows = len(data.train)
     batch = min(recipe.batch or rows, rows)
     steps = rows // batch
@@ -373,7 +378,6 @@ def _epochs(
         order = jax.random.permutation(jax.random.fold_in(key, number), data.train)
         return jax.lax.scan(step, carry, order[: steps * batch].reshape(steps, batch))[0], ()
 
-    numbers = first + jnp.arange(recipe.stride)
     return jax.lax.scan(epoch, (layers, state), numbers)[0]
 
 

@@ -25,6 +25,9 @@ from fledge.world import Arena, Obstacle
 OBSTACLES = 3
 """Boxes in the arena of every Combined flight; chosen, the paper says only "unexpected obstacles"."""
 
+PASSAGE = 1.2
+"""[m] free between boxes: a Pioneer's hull disc is 0.8 m across, and its guidance keeps 0.1 m on either side."""
+
 
 @dataclass(frozen=True, slots=True)
 class Combined(AbstractManoeuvre):
@@ -41,9 +44,8 @@ class Combined(AbstractManoeuvre):
         path = FAMILIES[str(rng.choice(self.families))](rng, self.reach)
         xy = travel(rng, path, rows)
         track = FormationTrack.through(xy[:, 0], xy[:, 1], spread_sequence(rng, rows))
-        obstacles = tuple(place_obstacle(rng, track) for _ in range(OBSTACLES))
         square = Arena.square()
-        arena = Arena(square.bounds, square.ceiling, obstacles)
+        arena = Arena(square.bounds, square.ceiling, place_obstacles(rng, track))
         return Plan(arena, track, rng.uniform(0.0, 2.0 * np.pi))
 
 
@@ -65,17 +67,33 @@ def spread_sequence(rng: np.random.Generator, rows: int) -> np.ndarray:
     return spread
 
 
-def place_obstacle(rng: np.random.Generator, track: FormationTrack) -> Obstacle:
-    """A box beside the path, where a corner of the triangle would pass, and clear of where it starts."""
-    for _ in range(100):
+def place_obstacles(rng: np.random.Generator, track: FormationTrack) -> tuple[Obstacle, ...]:
+    """Boxes beside the path, where a corner of the triangle would pass, clear of its start and of one another."""
+    placed: list[Obstacle] = []
+    for _ in range(200):
         row = rng.integers(len(track.x))
         angle = rng.uniform(0.0, 2.0 * np.pi)
         off = track.spread[row] + rng.uniform(-0.1, 0.3)
-        x, y = track.x[row] + off * np.cos(angle), track.y[row] + off * np.sin(angle)
-        half_x, half_y = rng.uniform(0.1, 0.25, 2)
-        height = rng.uniform(0.3, 0.8)
-        from_start = np.hypot(x - track.x[0], y - track.y[0])
-        if from_start > track.spread[0] + 1.0 and max(abs(x), abs(y)) < 4.5:
-            return Obstacle(Box(x - half_x, x + half_x, y - half_y, y + half_y), height)
-    # A path that never leaves its start has no room beside it: the box goes into a corner of the arena.
-    return Obstacle(Box(4.5, 4.9, 4.5, 4.9), 0.5)
+        x = float(track.x[row] + off * np.cos(angle))
+        y = float(track.y[row] + off * np.sin(angle))
+        half_x, half_y, height = rng.uniform(0.1, 0.25), rng.uniform(0.1, 0.25), rng.uniform(0.3, 0.8)
+        footprint = Box(x - half_x, x + half_x, y - half_y, y + half_y)
+        clear_of_start = np.hypot(x - track.x[0], y - track.y[0]) > track.spread[0] + 1.0
+        if clear_of_start and _passable(footprint, placed):
+            placed.append(Obstacle(footprint, height))
+        if len(placed) == OBSTACLES:
+            break
+    # A path with no room beside it leaves boxes over; they stand in the corners of the arena, out of the way.
+    corners = [Obstacle(Box(x, x + 0.4, y, y + 0.4), 0.5) for x in (-5.0, 4.6) for y in (-5.0, 4.6)]
+    return (*placed, *corners)[:OBSTACLES]
+
+
+def _passable(box: Box, others: list[Obstacle]) -> bool:
+    """Whether a UGV gets through between this box and every other one, and the walls."""
+    gaps = [5.0 - max(abs(edge) for edge in (box.x_min, box.x_max, box.y_min, box.y_max))]
+    for other in others:
+        o = other.footprint
+        across = max(o.x_min - box.x_max, box.x_min - o.x_max, 0.0)
+        along = max(o.y_min - box.y_max, box.y_min - o.y_max, 0.0)
+        gaps.append(np.hypot(across, along))
+    return min(gaps) > PASSAGE

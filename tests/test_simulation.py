@@ -1,0 +1,394 @@
+"""The simulator: what a flight is a function of, what its rows say, and that batches change nothing."""
+
+from dataclasses import astuple, fields, replace
+
+import jax
+import numpy as np
+import pytest
+
+from fledge.camera import Lens
+from fledge.conditions import SIGHT_ROWS, Conditions
+from fledge.formation import FormationControl
+from fledge.geometry import Vec3
+from fledge.manoeuvres import Climb, Combined, FixedAltitude
+from fledge.observation import OBSERVATION_NAMES, ROW_RATE, Action, Axes, observe
+from fledge.pilots import HumanModel, Servo
+from fledge.pilots.base import AbstractPilot
+from fledge.policy import Policy
+from fledge.safety import AbstractNet
+from fledge.simulation import (
+    STEP,
+    STEPS_PER_TICK,
+    TICK,
+    TICKS_PER_ROW,
+    Case,
+    Crew,
+    Rig,
+    flight_key,
+    fly,
+    fly_plain,
+    fly_team,
+    start,
+    take,
+    traceable,
+)
+from fledge.world import VelocityCommand, Verdict
+
+ROWS = 60
+CALM = Conditions()
+CREW = Crew(Servo())
+# One shape for all compiled flights of this file: four of them, some among boxes and some without any.
+CASES = [Case.draw(m, (1, i), ROWS) for i, m in enumerate((Combined(), FixedAltitude(), Climb(), Combined()))]
+KEYS = [(2, i) for i in range(4)]
+
+
+def leaves(episode):
+    return [(jax.tree_util.keystr(path), leaf) for path, leaf in jax.tree_util.tree_flatten_with_path(episode)[0]]
+
+
+def assert_same(a, b, rtol=0.0, atol=0.0):
+    for (name, x), (other, y) in zip(leaves(a), leaves(b), strict=True):
+        assert name == other
+        np.testing.assert_allclose(x, y, rtol=rtol, atol=atol, err_msg=name)
+
+
+def calm(case: Case, **changes) -> Case:
+    return replace(case, conditions=replace(CALM, **changes))
+
+
+class HandsOff(AbstractPilot):
+    """A stranger's pilot: no dataclass, no fledge.scalars."""
+
+    name = "hands-off"
+
+    def act(self, memory, observation, noise):
+        return memory, Action(0.0, 0.0, 0.0, 0.0)
+
+
+class Decided(AbstractPilot):
+    """Plain Python that JAX cannot trace: it branches on what it sees."""
+
+    name = "decided"
+
+    def act(self, memory, observation, noise):
+        return memory, Action(0.0, 0.0, 0.5 if observation.radius > observation.ideal_radius else 0.0, 0.0)
+
+
+class Diarist(AbstractPilot):
+    """Plain Python that JAX cannot compile: its memory grows."""
+
+    name = "diarist"
+
+    def init(self):
+        return ("take-off",)
+
+    def act(self, memory, observation, noise):
+        return (*memory, "wait"), Action(0.0, 0.0, 0.01 * len(memory), 0.0)
+
+
+class Guard(AbstractNet):
+    """Stops the UAV, lets the UGVs go, counts how often it is asked."""
+
+    def init(self, arena, world):
+        return 0.0
+
+    def filter(self, memory, world, commands):
+        memory = memory + 1.0
+        stop = Verdict(VelocityCommand.hover(), 1.0, 7.0, memory)
+        return memory, (stop, *(Verdict(told, 0.0, 0.0, memory) for told in commands.ugvs))
+
+
+# --- cases and keys ---------------------------------------------------------------------------------------------
+
+
+def test_the_rates_are_20_100_and_500_hertz():
+    assert (ROW_RATE, 1.0 / TICK, 1.0 / STEP) == pytest.approx((20.0, 100.0, 500.0))
+    assert TICKS_PER_ROW * STEPS_PER_TICK * STEP == pytest.approx(1.0 / ROW_RATE)
+
+
+def test_a_case_is_a_pure_function_of_manoeuvre_key_and_rows():
+    once, again, other = (Case.draw(Combined(), key, 50) for key in ((3, 1), (3, 1), (3, 2)))
+    assert once.conditions == again.conditions != other.conditions
+    assert once.plan.arena == again.plan.arena
+    np.testing.assert_array_equal(once.plan.track.x, again.plan.track.x)
+    assert not np.array_equal(once.plan.track.x, other.plan.track.x)
+
+
+def test_flights_for_different_purposes_never_share_a_key():
+    keys = {
+        flight_key(seed, purpose, manoeuvre, number)
+        for seed in (0, 1)
+        for purpose in ("demonstration", "test")
+        for manoeuvre in ("climb", "descend")
+        for number in (0, 1)
+    }
+    assert len(keys) == 16
+    assert flight_key(0, "test", "climb", 1) == flight_key(0, "test", "climb", 1)
+
+
+def test_a_flight_starts_above_its_formation_at_the_altitude_that_makes_it_look_right():
+    case, rig = calm(CASES[0]), Rig()
+    state = start(case, CREW, rig)
+    seen = observe(state.world, rig.lens)
+    assert (seen.ugv_u, seen.ugv_v) == pytest.approx(rig.lens.centre)
+    assert seen.radius == pytest.approx(rig.ideal_radius)
+    assert len(state.views) == SIGHT_ROWS and set(state.views) == {seen}
+    first = astuple(state.world.uav.velocity) + astuple(state.world.uav.rates)
+    assert set(first) == {0.0} and {ugv.speed for ugv in state.world.ugvs} == {0.0}
+    moved = start(calm(CASES[0], offset=Vec3(0.1, -0.2, 0.3)), CREW, rig).world.uav.position
+    was = state.world.uav.position
+    assert (moved.x - was.x, moved.y - was.y, moved.z - was.z) == pytest.approx((0.1, -0.2, 0.3))
+
+
+# --- one flight, in plain Python --------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def perfect():
+    return fly_plain(calm(CASES[0]), CREW, KEYS[0])
+
+
+def test_there_is_a_row_for_every_twentieth_of_a_second(perfect):
+    assert {np.shape(leaf) for _, leaf in leaves(perfect)} == {(ROWS,)}
+    np.testing.assert_allclose(perfect.world.t, np.arange(ROWS) / ROW_RATE, atol=1e-12)
+    for vehicle in (perfect.world.uav, *perfect.world.ugvs):
+        np.testing.assert_array_equal(vehicle.stamp, perfect.world.t)
+
+
+def test_on_a_perfect_day_the_pilot_sees_the_world_of_its_row(perfect):
+    exact = observe(perfect.world, Lens())
+    for name in OBSERVATION_NAMES:
+        np.testing.assert_allclose(getattr(perfect.observation, name), getattr(exact, name), atol=1e-9, err_msg=name)
+
+
+def test_with_delay_it_sees_the_world_of_some_rows_ago():
+    late = fly_plain(calm(CASES[0], delay=3.0 / ROW_RATE), CREW, KEYS[0])
+    exact = observe(late.world, Lens())
+    for name in ("ugv_u", "ugv_v", "radius", "altitude", "forward", "left", "up", "turn"):
+        seen, was = getattr(late.observation, name), getattr(exact, name)
+        np.testing.assert_allclose(seen[3:], was[:-3], atol=1e-9, err_msg=name)
+        np.testing.assert_allclose(seen[:3], was[0], atol=1e-9, err_msg=name)
+
+
+def test_what_is_proposed_is_what_the_action_means(perfect):
+    for i in (0, 20, ROWS - 1):
+        action = Action(*(getattr(perfect.action, f.name)[i] for f in fields(Action)))
+        wanted = Rig().sticks.command(action)
+        got = VelocityCommand(*(getattr(perfect.proposed.uav, f.name)[i] for f in fields(VelocityCommand)))
+        assert astuple(got) == pytest.approx(astuple(wanted))
+    np.testing.assert_array_equal(perfect.ideal_spread, CASES[0].plan.track.spread)
+
+
+def test_without_a_net_everything_proposed_is_sent(perfect):
+    assert len(perfect.verdicts) == 1 + len(perfect.world.ugvs)
+    for verdict, told in zip(perfect.verdicts, (perfect.proposed.uav, *perfect.proposed.ugvs), strict=True):
+        assert_same(verdict.command, told)
+        assert not verdict.intervened.any() and not verdict.reason.any()
+
+
+def test_a_flight_is_a_pure_function_of_case_and_key():
+    case = CASES[0].lasting(15)
+    once = fly_plain(case, CREW, (5,))
+    assert_same(fly_plain(case, CREW, (5,)), once)
+    other = fly_plain(case, CREW, (6,))
+    assert not np.allclose(other.observation.ugv_u[1:], once.observation.ugv_u[1:])
+    # The chance of the first row's sight and the weather differ; the start does not.
+    assert other.world.uav.position.x[0] == once.world.uav.position.x[0]
+
+
+@pytest.mark.parametrize("pilot", (Servo(), HumanModel()), ids=lambda pilot: pilot.name)
+def test_a_longer_flight_begins_like_a_shorter_one(pilot):
+    short = fly_plain(CASES[3].lasting(12), Crew(pilot), (7,))
+    long = fly_plain(CASES[3].lasting(25), Crew(pilot), (7,))
+    assert_same(jax.tree.map(lambda leaf: leaf[:12], long), short)
+
+
+def test_lasting_cuts_a_case_or_repeats_its_last_row():
+    track = CASES[0].plan.track
+    cut, stretched = CASES[0].lasting(10).plan.track, CASES[0].lasting(ROWS + 5).plan.track
+    for field in fields(track):
+        values = getattr(track, field.name)
+        np.testing.assert_array_equal(getattr(cut, field.name), values[:10])
+        np.testing.assert_array_equal(getattr(stretched, field.name)[:ROWS], values)
+        np.testing.assert_array_equal(getattr(stretched, field.name)[ROWS:], values[-1])
+
+
+def test_with_nobody_at_the_sticks_on_a_perfect_day_it_hovers_where_it_is():
+    episode = fly_plain(calm(CASES[1]), Crew(HandsOff()), KEYS[1])
+    for axis in ("x", "y", "z"):
+        place = getattr(episode.world.uav.position, axis)
+        np.testing.assert_allclose(place, place[0], atol=1e-9)
+
+
+def test_wind_carries_it_along_and_noise_on_commands_shakes_it():
+    still, windy, shaky = (
+        fly_plain(calm(CASES[1], **weather), Crew(HandsOff()), KEYS[1]).world.uav.position
+        for weather in ({}, {"wind": Vec3(1.0, 0.0, 0.0)}, {"command_noise": 0.05})
+    )
+    assert windy.x[-1] - still.x[-1] > 0.005
+    assert abs(windy.y[-1] - still.y[-1]) < 1e-6
+    assert np.hypot(shaky.x - still.x, shaky.y - still.y)[-1] > 1e-3
+
+
+def test_a_nets_verdicts_are_columns_and_are_obeyed():
+    episode = fly_plain(calm(CASES[1]), Crew(Servo(), net=Guard()), KEYS[1])
+    uav, *ugvs = episode.verdicts
+    assert (uav.intervened == 1.0).all() and (uav.reason == 7.0).all()
+    for verdict, told in zip(ugvs, episode.proposed.ugvs, strict=True):
+        assert not verdict.intervened.any()
+        assert_same(verdict.command, told)
+    # The pilot asked for more and more, the net said no, and the UAV stood still.
+    assert np.abs(episode.proposed.uav.forward).max() + np.abs(episode.proposed.uav.left).max() > 0.05
+    assert np.ptp(episode.world.uav.position.x) < 1e-9
+    # It is asked a hundred times a second; the row keeps the last of its five verdicts.
+    np.testing.assert_array_equal(uav.clearance, TICKS_PER_ROW * np.arange(1, ROWS + 1))
+
+
+def test_axes_not_in_use_are_not_flown():
+    episode = fly_plain(CASES[0].lasting(15), Crew(Servo(), Axes.of((2,))), KEYS[0])
+    for name in ("forward", "left", "turn"):
+        assert not getattr(episode.action, name).any()
+    assert episode.action.up.any()
+
+
+def test_a_pilot_that_jax_cannot_trace_flies_in_plain_python():
+    episode = fly_plain(CASES[2], Crew(Decided()), KEYS[2])
+    assert len(episode.world.t) == ROWS
+    assert set(np.unique(episode.action.up)) <= {0.0, 0.5}
+    climbing = episode.observation.radius > episode.observation.ideal_radius
+    np.testing.assert_array_equal(episode.action.up == 0.5, climbing)
+
+
+def test_a_pilot_may_remember_whatever_it_likes_in_plain_python():
+    episode = fly_plain(CASES[2].lasting(5), Crew(Diarist()), KEYS[2])
+    np.testing.assert_allclose(episode.action.up, [0.01, 0.02, 0.03, 0.04, 0.05])
+
+
+@pytest.mark.parametrize("pilot", (Servo(), HumanModel(), HandsOff()), ids=lambda pilot: pilot.name)
+def test_it_is_known_beforehand_which_pilots_can_be_compiled(pilot):
+    assert traceable(pilot)
+
+
+@pytest.mark.parametrize(
+    "pilot",
+    (
+        Decided(),
+        pytest.param(Diarist(), marks=pytest.mark.xfail(reason="only the action is looked at, not the memory")),
+    ),
+    ids=lambda pilot: pilot.name,
+)
+def test_and_which_cannot(pilot):
+    assert not traceable(pilot)
+
+
+# --- many flights, compiled -------------------------------------------------------------------------------------
+
+
+@pytest.fixture(scope="module")
+def batch():
+    return fly(CASES, CREW, KEYS)
+
+
+def test_a_batch_has_a_leading_axis_of_flights(batch):
+    assert {leaf.shape for _, leaf in leaves(batch)} == {(len(CASES), ROWS)}
+    assert {leaf.dtype for _, leaf in leaves(batch)} == {np.dtype(np.float32)}
+    assert {leaf.shape for _, leaf in leaves(take(batch, 2, 10))} == {(10,)}
+
+
+def test_the_same_keys_give_the_same_flights_and_other_keys_others(batch):
+    assert_same(fly(CASES, CREW, KEYS), batch)
+    others = fly(CASES, CREW, [(9, i) for i in range(4)])
+    for i in range(4):
+        assert not np.allclose(others.observation.ugv_u[i], batch.observation.ugv_u[i])
+
+
+def test_a_flight_does_not_depend_on_who_flies_beside_it(batch):
+    strangers = [Case.draw(Combined(), (77, i), ROWS) for i in range(3)]
+    company = fly([CASES[0], *strangers], CREW, [KEYS[0], (8, 1), (8, 2), (8, 3)])
+    assert_same(take(company, 0, ROWS), take(batch, 0, ROWS))
+
+
+def test_a_flight_does_not_depend_on_its_place_in_the_batch(batch):
+    backwards = fly(CASES[::-1], CREW, KEYS[::-1])
+    for i in range(4):
+        assert_same(take(backwards, 3 - i, ROWS), take(batch, i, ROWS))
+
+
+@pytest.mark.parametrize("i", range(4), ids=("boxes", "no boxes", "climb", "more boxes"))
+def test_compiled_and_plain_flights_are_the_same_flight(batch, i):
+    """Same chance, to single precision; arenas with fewer boxes were padded and did not notice."""
+    plain = fly_plain(CASES[i], CREW, KEYS[i])
+    compiled = take(batch, i, ROWS)
+    for axis in ("x", "y", "z"):
+        wanted = getattr(plain.world.uav.position, axis)
+        np.testing.assert_allclose(getattr(compiled.world.uav.position, axis), wanted, atol=1e-4)
+    for name in OBSERVATION_NAMES:
+        np.testing.assert_allclose(
+            getattr(compiled.observation, name), getattr(plain.observation, name), atol=0.05, err_msg=name
+        )
+    for got, wanted in zip(compiled.world.ugvs, plain.world.ugvs, strict=True):
+        np.testing.assert_allclose(got.x, wanted.x, atol=1e-4)
+
+
+def test_ugvs_follow_their_formation_in_the_simulator_as_well(batch):
+    corners = [FormationControl().corners(case.plan.track, case.plan.orientation) for case in CASES[:3]]
+    for i, places in enumerate(corners[1:], start=1):  # those without boxes
+        for ugv, (x, y, _, _) in zip(batch.world.ugvs, places, strict=True):
+            assert np.hypot(ugv.x[i] - x, ugv.y[i] - y).max() < 0.15
+
+
+def test_a_pilot_that_jax_cannot_trace_raises_jaxs_own_error():
+    with pytest.raises(jax.errors.JAXTypeError):
+        fly(CASES, Crew(Decided()), KEYS)
+
+
+def mean_offset(episodes):
+    """One number per flight."""
+    return abs(episodes.observation.ugv_u - episodes.observation.centre_u).mean(axis=-1)
+
+
+@pytest.mark.slow
+def test_reducing_inside_the_program_is_reducing_afterwards(batch):
+    inside = fly(CASES, CREW, KEYS, reduce=mean_offset)
+    assert inside.shape == (4,)
+    np.testing.assert_allclose(inside, mean_offset(batch), rtol=1e-4)
+
+
+@pytest.mark.slow
+def test_every_flight_may_have_its_own_crew(batch):
+    crews = [CREW, CREW, Crew(Servo(), Axes.of((2,))), Crew(Servo(p=0.1))]
+    mixed = fly(CASES, crews, KEYS)
+    for i in (0, 1):
+        assert_same(take(mixed, i, ROWS), take(batch, i, ROWS), rtol=1e-3, atol=5e-3)
+    assert not mixed.action.forward[2].any() and mixed.action.up[2].any()
+    assert np.abs(mixed.action.forward[3]).mean() < np.abs(batch.action.forward[3]).mean()
+
+
+def random_policy(*lead: int) -> Policy:
+    rng, sizes = np.random.default_rng(3), (11, 8, 8, 4)
+
+    def normal(*shape):
+        return rng.normal(0.0, 0.4, (*lead, *shape)).astype(np.float32)
+
+    one = np.ones((*lead, 11), dtype=np.float32)
+    return Policy(
+        weights=tuple(normal(a, b) for a, b in zip(sizes, sizes[1:], strict=False)),
+        biases=tuple(normal(b) for b in sizes[1:]),
+        mean=np.array([320, 180, 320, 180, 3, 108, 108, 0, 0, 0, 0], dtype=np.float32) * one,
+        scale=np.array([1, 1, 50, 50, 1, 1, 20, 1, 1, 1, 1], dtype=np.float32) * one,
+        inputs=tuple(range(11)),
+        states=11,
+    )
+
+
+@pytest.mark.slow
+def test_a_team_flies_as_each_of_its_members_does():
+    rows, team = 30, random_policy(2)
+    cases = [case.lasting(rows) for case in CASES]
+    together = fly_team(cases, Crew(team), KEYS)
+    assert {leaf.shape for _, leaf in leaves(together)} == {(2, 4, rows)}
+    assert not np.allclose(together.action.forward[0], together.action.forward[1])
+    for seed in range(2):
+        member = jax.tree.map(lambda leaf: leaf[seed], team)
+        alone = fly(cases, Crew(member), KEYS)
+        assert_same(jax.tree.map(lambda leaf: leaf[seed], together), alone, rtol=1e-3, atol=5e-3)
