@@ -19,6 +19,7 @@ LAYERS = (
     ("__init__",),
     ("cli",),
     ("report", "doctor"),
+    ("figures",),
     ("storage",),
     ("experiments",),
     ("evaluation", "statistics", "training", "crossover"),

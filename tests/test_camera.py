@@ -116,12 +116,16 @@ def test_a_yaw_turns_the_picture_about_its_centre(places, z, yaw):
     right, down = before.u - 320.0, before.v - 180.0
     # A turn to the left carries what is ahead to the right.
     c, s = math.cos(yaw), math.sin(yaw)
-    assert (after.u - 320.0, after.v - 180.0) == pytest.approx((c * right - s * down, s * right + c * down), abs=1e-8)
+    assert (after.u - 320.0, after.v - 180.0) == pytest.approx(
+        (c * right - s * down, s * right + c * down), abs=1e-8
+    )
     assert after.radius == pytest.approx(before.radius, abs=1e-8)
 
 
 def test_the_radius_of_a_triangle_is_its_circumradius_in_pixels():
-    corners = [(0.8 * math.cos(a), 0.8 * math.sin(a)) for a in (0.3, 0.3 + 2 * math.pi / 3, 0.3 - 2 * math.pi / 3)]
+    corners = [
+        (0.8 * math.cos(a), 0.8 * math.sin(a)) for a in (0.3, 0.3 + 2 * math.pi / 3, 0.3 - 2 * math.pi / 3)
+    ]
     picture = look(LENS, scene(corners, uav(z=2.5)))
     assert (picture.u, picture.v) == pytest.approx((320.0, 180.0))
     assert picture.radius == pytest.approx(LENS.focal_px * 0.8 / 2.5)

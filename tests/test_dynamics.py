@@ -191,7 +191,9 @@ def test_it_lies_on_the_floor_and_takes_off_again():
 def test_a_gentle_flight_converges_as_the_step_shrinks():
     """At first order: halving the step halves the error. (A rotor at its stop answers a jump otherwise.)"""
     breeze = Vec3(0.3, 0.1, 0.0)
-    ends = [fly(Quadrotor(), VelocityCommand.hover(), 1.0, wind=breeze, dt=dt)[-1][1] for dt in (4e-3, 2e-3, 1e-3)]
+    ends = [
+        fly(Quadrotor(), VelocityCommand.hover(), 1.0, wind=breeze, dt=dt)[-1][1] for dt in (4e-3, 2e-3, 1e-3)
+    ]
     x = [state.position.x for state in ends]
     assert (x[0] - x[1]) / (x[1] - x[2]) == pytest.approx(2.0, rel=0.05)
     assert x[2] == pytest.approx(x[0], rel=0.01)

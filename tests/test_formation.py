@@ -8,7 +8,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fledge.dynamics import UGV_FLEET
 from fledge.formation import FormationControl
 from fledge.geometry import Box
 from fledge.manoeuvres import Combined, FixedAltitude, FormationTrack, Plan
@@ -72,7 +71,8 @@ def clearances(ugvs, arena) -> dict[str, np.ndarray]:
         for obstacle in arena.obstacles
     ]
     others = [
-        np.hypot(ugvs[i].x - ugvs[j].x, ugvs[i].y - ugvs[j].y) - radii[i] - radii[j] for i, j in ((0, 1), (0, 2), (1, 2))
+        np.hypot(ugvs[i].x - ugvs[j].x, ugvs[i].y - ugvs[j].y) - radii[i] - radii[j]
+        for i, j in ((0, 1), (0, 2), (1, 2))
     ]
     return {"walls": min_of(walls), "boxes": min_of(boxes, far), "others": min_of(others)}
 
@@ -85,14 +85,18 @@ def stacked(plans) -> Plan:
     """One plan of arrays: track leaves (rows, plans), the rest (plans,)."""
 
     def gather(*records):
-        return type(records[0])(*(np.array([getattr(r, f.name) for r in records]).T for f in fields(records[0])))
+        return type(records[0])(
+            *(np.array([getattr(r, f.name) for r in records]).T for f in fields(records[0]))
+        )
 
     obstacles = tuple(
         Obstacle(gather(*(o.footprint for o in same)), np.array([o.height for o in same]))
         for same in zip(*(plan.arena.obstacles for plan in plans), strict=True)
     )
     arena = replace(plans[0].arena, obstacles=obstacles)
-    return Plan(arena, gather(*(plan.track for plan in plans)), np.array([plan.orientation for plan in plans]))
+    return Plan(
+        arena, gather(*(plan.track for plan in plans)), np.array([plan.orientation for plan in plans])
+    )
 
 
 def flown(plans, rows: int):
@@ -102,7 +106,9 @@ def flown(plans, rows: int):
     history = drive(begin, plan.track, plan.orientation, plan.arena, rows)
     seen = [clearances(ugvs, plan.arena) for ugvs in history]
     smallest = {name: np.min([row[name] for row in seen], axis=0) for name in seen[0]}
-    return smallest, np.array([errors(u, at(plan.track, row), plan.orientation) for row, u in enumerate(history)])
+    return smallest, np.array([
+        errors(u, at(plan.track, row), plan.orientation) for row, u in enumerate(history)
+    ])
 
 
 @given(metres, metres, st.floats(0.5, 1.5), angles)
@@ -113,7 +119,9 @@ def test_the_corners_are_an_equilateral_triangle_about_the_centre(x, y, spread, 
     sides = np.linalg.norm(places - np.roll(places, 1, axis=0), axis=1)
     np.testing.assert_allclose(sides, math.sqrt(3.0) * spread)
     first = places[0] - (x, y)
-    np.testing.assert_allclose(first, spread * np.array([math.cos(orientation), math.sin(orientation)]), atol=1e-12)
+    np.testing.assert_allclose(
+        first, spread * np.array([math.cos(orientation), math.sin(orientation)]), atol=1e-12
+    )
 
 
 def test_the_corners_velocities_are_the_derivatives_of_their_places():
@@ -142,7 +150,9 @@ def test_displaced_ugvs_come_back_to_their_corners_whichever_way_they_face(seed)
     rng, target, orientation = np.random.default_rng(seed), standing(1.0), 0.3
     ugvs = tuple(
         UgvState(x + 0.2 * math.cos(a), y + 0.2 * math.sin(a), rng.uniform(-3.0, 3.0), 0.0, 0.0, 0.0)
-        for (x, y, _, _), a in zip(CONTROL.corners(target, orientation), rng.uniform(-3.0, 3.0, 3), strict=True)
+        for (x, y, _, _), a in zip(
+            CONTROL.corners(target, orientation), rng.uniform(-3.0, 3.0, 3), strict=True
+        )
     )
     history = drive(ugvs, constant(target, 300), orientation, OPEN, 300)
     assert errors(history[-1], target, orientation).max() < 0.02
@@ -219,11 +229,13 @@ def test_among_random_boxes_no_hull_touches_a_wall(among_boxes):
     assert among_boxes[0]["walls"].min() > 0.0
 
 
-@pytest.mark.xfail(reason="each limit may undo those before it, and the unicycle does not move along the limited velocity")
-@pytest.mark.parametrize("what", ("boxes", "others"))
-def test_among_random_boxes_no_hull_touches_anything(among_boxes, what):
-    touched = (among_boxes[0][what] <= 0.0).sum()
-    assert touched == 0
+def test_among_random_boxes_no_hull_touches_a_box(among_boxes):
+    assert among_boxes[0]["boxes"].min() > 0.0
+
+
+@pytest.mark.xfail(reason="what holds a UGV off a box may push it into another UGV: the last limit wins")
+def test_among_random_boxes_no_hull_touches_another(among_boxes):
+    assert among_boxes[0]["others"].min() > 0.0
 
 
 def test_among_random_boxes_most_ugvs_are_where_they_should_be_most_of_the_time(among_boxes):

@@ -89,7 +89,9 @@ def test_above_a_triangle_at_the_ideal_altitude_there_is_nothing_to_correct():
     )
     still = Vec3(0.0, 0.0, 0.0)
     z = LENS.focal_px * spread / IDEAL_RADIUS_PX
-    seen = observe(WorldState(0.0, UavState(Vec3(0.0, 0.0, z), still, Quat.from_yaw(0.4), still, 0.0), ugvs), LENS)
+    seen = observe(
+        WorldState(0.0, UavState(Vec3(0.0, 0.0, z), still, Quat.from_yaw(0.4), still, 0.0), ugvs), LENS
+    )
     assert (seen.ugv_u, seen.ugv_v) == pytest.approx((seen.centre_u, seen.centre_v))
     assert seen.radius == pytest.approx(seen.ideal_radius)
 

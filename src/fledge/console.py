@@ -75,12 +75,13 @@ def _line(text: str, console: Console | None = None) -> None:
 
 def _grid(table: Table) -> None:
     """The first column is text, the others are numbers; in a pipe it is as wide as it needs to be."""
-    grid = Grid(box=box.SIMPLE, pad_edge=False, show_edge=False)
+    heads = any(table.columns)
+    grid = Grid(box=box.SIMPLE, show_edge=False, pad_edge=False, collapse_padding=True, show_header=heads)
     for i, column in enumerate(table.columns):
         grid.add_column(column, justify="right" if i else "left", no_wrap=bool(i), overflow="fold")
     for row in table.rows:
         grid.add_row(*row)
-    console = Console()
+    console = Console() if sys.stdout.isatty() else Console(width=1000)
     _line(table.title, console)
-    console.print(grid, width=None if console.is_terminal else 1000, markup=False, highlight=False, emoji=False)
+    console.print(grid, markup=False, highlight=False, emoji=False)
     _line("", console)

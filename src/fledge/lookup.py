@@ -1,64 +1,126 @@
-"""From a name on the command line to the thing it names.
+"""From a name on the command line to what it names.
 
-A name is a module in its folder (`servo` is `fledge/pilots/servo.py`, `fixed-altitude` is
-`fledge/manoeuvres/fixed_altitude.py`) or `package.module:Name` from anywhere Python can import, the current folder
-included. There is no registry: whatever has the right base class will do.
+A pilot or a manoeuvre is named by its module (`servo` is `fledge/pilots/servo.py`, `fixed-altitude` is
+`fledge/manoeuvres/fixed_altitude.py`), or as `package.module:Name` from anywhere Python can import, the current folder
+included (see `guests`). There is no registry: whatever has the right base class will do. Who flies an evaluation may be a
+policy's file, too.
 """
 
-import importlib
-import sys
-from typing import Any
+import pkgutil
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
-from fledge.errors import FledgeError, UnknownName
+from fledge import guests
+from fledge.errors import BadFile, FledgeError, UnknownName
+
+if TYPE_CHECKING:
+    from fledge.experiments import Setup
+    from fledge.manoeuvres import AbstractManoeuvre
+    from fledge.pilots import AbstractPilot
+    from fledge.policy import Policy
+
+
+def pilot(name: str) -> "AbstractPilot":
+    """The pilot of that name.
+
+    Raises:
+        FledgeError: there is none, or it is none.
+    """
+    if ":" in name:
+        return guests.pilot(name)
+    from fledge.pilots import AbstractPilot
+
+    return find("fledge.pilots", AbstractPilot, name)
+
+
+def manoeuvre(name: str) -> "AbstractManoeuvre":
+    """The manoeuvre of that name, as it is demonstrated.
+
+    Raises:
+        FledgeError: there is none, or it is none.
+    """
+    if ":" in name:
+        return guests.manoeuvre(name)
+    from fledge.manoeuvres import AbstractManoeuvre
+
+    return find("fledge.manoeuvres", AbstractManoeuvre, name)
+
+
+def test(name: str) -> "AbstractManoeuvre":
+    """The manoeuvre of that name, as it is tested: the paper's four along paths that no demonstration used.
+
+    Raises:
+        FledgeError: there is none, or it is none.
+    """
+    from fledge.experiments import TEST_MANOEUVRES
+
+    declared = {one.name: one for one in TEST_MANOEUVRES}
+    return declared.get(name) or manoeuvre(name)
+
+
+def setup(name: str) -> "Setup":
+    """The set-up of that name, of those that train once on demonstrations as they are stored.
+
+    Raises:
+        UnknownName: there is none.
+    """
+    from fledge.experiments import BASIC, FURTHER
+
+    known = {one.name: one for one in BASIC + FURTHER if one.trained_on and not (one.rows or one.seeds)}
+    if name not in known:
+        raise UnknownName("set-up", name, known)
+    return known[name]
+
+
+def contestant(name: str) -> "AbstractPilot":
+    """Who flies in an evaluation: the policy in a file of that name, or else the pilot.
+
+    Raises:
+        FledgeError: there is neither, or the policy was not trained for this vehicle.
+    """
+    path = Path(name)
+    if path.suffix == ".onnx" or path.is_file():
+        return _policy(path)
+    try:
+        return pilot(name)
+    except UnknownName as error:
+        raise FledgeError(f"{error}, or a policy's file") from error
 
 
 def find(folder: str, base: type, name: str) -> Any:
-    """An instance of the class that `name` names.
-
-    Args:
-        folder: the package of the shipped ones, "fledge.pilots" say.
-        base: the abstract class it must have.
-        name: a module name with dashes, or `package.module:Name`.
+    """An instance of what is called `name` in a package of fledge's, "fledge.pilots" say.
 
     Raises:
-        UnknownName: no such module; lists those that exist.
-        FledgeError: it exists, but is of another kind or cannot be made.
+        UnknownName: there is none; lists those that exist.
     """
-    kind = folder.rsplit(".", 1)[-1].removesuffix("s")
-    if ":" in name:
-        return _made(kind, base, name, _outside(kind, name))
-    for found in importlib.import_module(folder).__dict__.values():
-        if isinstance(found, type) and issubclass(found, base) and getattr(found, "name", None) == name:
-            return found()
-    raise UnknownName(kind, name, [*shipped(folder, base), "package.module:Name"])
+    known = shipped(folder, base)
+    if name not in known:
+        kind = base.__name__.removeprefix("Abstract").lower()
+        raise UnknownName(kind, name, [*known, "package.module:Name"])
+    return known[name]()
 
 
-def shipped(folder: str, base: type) -> list[str]:
-    """The names of those in the folder."""
-    found = importlib.import_module(folder).__dict__.values()
-    return sorted(
-        thing.name
-        for thing in found
-        if isinstance(thing, type) and issubclass(thing, base) and thing is not base and hasattr(thing, "name")
-    )
+def shipped(folder: str, base: type) -> dict[str, type]:
+    """The classes of a kind in a package of fledge's, each by the name of its module."""
+    names = [module.name for module in pkgutil.iter_modules(import_module(folder).__path__)]
+    modules = {name.replace("_", "-"): import_module(f"{folder}.{name}") for name in names}
+    return {name: kind for name, module in modules.items() for kind in guests.kinds(module, base)}
 
 
-def _outside(kind: str, name: str) -> Any:
-    module_name, _, attribute = name.partition(":")
-    if "" not in sys.path:
-        sys.path.insert(0, "")
+def _policy(path: Path) -> "Policy":
+    from fledge.observation import ACTION_NAMES
+    from fledge.policy import Contract
+    from fledge.storage import read_policy
+
+    policy = read_policy(path)
+    if policy.contract is None:
+        raise BadFile(path, "a policy without a contract: it was not trained to fly")
     try:
-        module = importlib.import_module(module_name)
-    except ImportError as error:
-        raise FledgeError(f"{kind} {name!r}: cannot import {module_name}: {error}") from error
-    if not hasattr(module, attribute):
-        raise UnknownName(f"{kind} in {module_name}", attribute, [n for n in dir(module) if n[0] != "_"])
-    return getattr(module, attribute)
-
-
-def _made(kind: str, base: type, name: str, thing: Any) -> Any:
-    made = thing() if isinstance(thing, type) else thing
-    if not isinstance(made, base):
-        raise FledgeError(f"{kind} {name!r} is a {type(made).__name__}: valid is a subclass of {base.__name__}")
-    return made
-
+        policy.contract.check(Contract())
+    except FledgeError as error:
+        raise BadFile(path, str(error)) from error
+    shape = (policy.states, len(policy.biases[-1]))
+    if shape != (len(policy.contract.observation), len(ACTION_NAMES)):
+        raise BadFile(path, f"a policy from {shape[0]} numbers to {shape[1]} actions: valid is from 11 to 4")
+    return policy

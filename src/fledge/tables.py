@@ -1,10 +1,12 @@
 """The tables that the command line shows: records in, text in rows and columns out.
 
-They fit a terminal of 80 columns where names are short. Units stand in the heads; a mean comes with its standard deviation.
+They fit a terminal of 80 columns where names are short. Means over flights come with standard deviations. "sticks" is how
+fast they move: their mean absolute change per second.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from itertools import groupby
 from typing import Any
 
 METRICS = {
@@ -26,14 +28,21 @@ class Table:
 
 def scores(title: str, entries: Mapping[str, Mapping[str, Any]]) -> Table:
     """How well each flew, over all its flights."""
-    heads = ("", "flights", "distance\n[px]", "radius\n[px²]", "RMSE\n[px]", "RMSE\n[px]", "in view\n[%]", "sticks\n[1/s]")
+    heads = (
+        "",
+        "distance\nmean [px]",
+        "radius\nmean [px²]",
+        "distance\nRMSE [px]",
+        "radius\nRMSE [px]",
+        "in view\n[%]",
+        "sticks\n[1/s]",
+    )
     return Table(title, heads, tuple(_scores(name, entry) for name, entry in entries.items()))
 
 
 def _scores(name: str, entry: Mapping[str, Any]) -> tuple[str, ...]:
     return (
         name,
-        str(entry["flights"]),
         _spread(entry["distance"]),
         _spread(entry["radius"]),
         f"{entry['distance_rmse_px']:.2f}",
@@ -47,17 +56,18 @@ def _spread(value: Mapping[str, float]) -> str:
     return f"{value['mean']:.1f} ± {value['sd']:.1f}"
 
 
-def comparisons(title: str, found: Sequence[Mapping[str, Any]]) -> Table:
-    """Paired differences with what may be claimed of them."""
+def comparisons(found: Iterable[Mapping[str, Any]]) -> list[Table]:
+    """Paired differences and what may be claimed of them, a table for each pair."""
     heads = ("", "difference", "95 % interval", "p (Holm)", "effect d_z")
-    return Table(title, heads, tuple(_comparison(one) for one in found))
+    pairs = groupby(found, lambda one: f"{one['a']} minus {one['b']}")
+    return [Table(title, heads, tuple(map(_comparison, group))) for title, group in pairs]
 
 
 def _comparison(one: Mapping[str, Any]) -> tuple[str, ...]:
     name, factor = METRICS[one["metric"]]
     low, high = (factor * edge for edge in one["interval"])
     return (
-        f"{one['a']} - {one['b']}\n  {name}",
+        name,
         f"{factor * one['difference']:+.2f}",
         f"{low:+.2f} to {high:+.2f}",
         f"{one['p_holm']:.4f}" if one["p_holm"] >= 1e-4 else "< 0.0001",

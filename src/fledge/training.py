@@ -36,10 +36,11 @@ class Recipe:
     """Rows per step; None for all of them."""
     learning_rate: float = 2e-3
     schedule: Literal["constant", "cosine"] = "cosine"
-    weight_decay: float = 1.0
+    weight_decay: float = 0.1
     """Decoupled (AdamW), in units of the learning rate."""
-    init: Literal["paper", "constant", "he"] = "he"
-    """Normal of sd 1e-4, the constant 1e-4, or He's normal (D5)."""
+    init: Literal["paper", "constant", "he"] = "paper"
+    """Normal of sd 1e-4, the constant 1e-4, or He's normal (D5). From weights near 0 an input that a sub-task does not
+    vary stays without influence on its actions; from He's it keeps a random one, and flights show it."""
     split: Literal["row", "episode"] = "episode"
     validation: float = 0.2
     """Share of rows or episodes held out."""

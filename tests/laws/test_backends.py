@@ -17,7 +17,7 @@ from fledge.manoeuvres.base import FormationTrack
 from fledge.observation import ACTION_NAMES
 from fledge.pilots import HumanModel, Servo
 from fledge.pilots.human_model import STICK_STEPS
-from fledge.simulation import STEP, Case, Crew, Rig, fly_row, plain_scan, rollout, stack, stack_cases, start
+from fledge.simulation import STEP, Case, Crew, Rig, fly_row, plain_scan, rollout, stack_cases, start
 
 ROWS = 1200
 """60 s."""
@@ -39,10 +39,14 @@ def deal(drawn):
 def differences(plain, jaxed) -> dict[str, np.ndarray]:
     """|plain - jax| of every leaf, relative to its size where that is above one; equal infinities differ by nothing."""
     found = {}
-    for (path, a), b in zip(jax.tree_util.tree_flatten_with_path(plain)[0], jax.tree.leaves(jaxed), strict=True):
+    for (path, a), b in zip(
+        jax.tree_util.tree_flatten_with_path(plain)[0], jax.tree.leaves(jaxed), strict=True
+    ):
         a, b = np.asarray(a, dtype=float), np.asarray(b, dtype=float)
         with np.errstate(invalid="ignore"):
-            found[jax.tree_util.keystr(path)] = np.where(a == b, 0.0, np.abs(a - b) / np.maximum(np.abs(a), 1.0))
+            found[jax.tree_util.keystr(path)] = np.where(
+                a == b, 0.0, np.abs(a - b) / np.maximum(np.abs(a), 1.0)
+            )
     return found
 
 
@@ -52,7 +56,9 @@ def flights(request):
     crew = Crew(request.param)
     with jax.enable_x64(True):
         fly = jax.jit(
-            jax.vmap(lambda case, drawn: rollout((case, crew, Rig()), drawn, deal, jax.lax.scan), in_axes=(0, None)),
+            jax.vmap(
+                lambda case, drawn: rollout((case, crew, Rig()), drawn, deal, jax.lax.scan), in_axes=(0, None)
+            ),
             compiler_options=QUICKLY,
         )
         flown = fly(stack_cases([NOMINAL, PERFECT]), chance(ROWS))
@@ -83,7 +89,10 @@ def single_steps(request):
     scene = (case, crew, Rig())
     names = FormationTrack.__slots__
     inputs = [
-        (FormationTrack(*(float(getattr(case.plan.track, n)[r]) for n in names)), (normal[r].tolist(), uniform[r].tolist()))
+        (
+            FormationTrack(*(float(getattr(case.plan.track, n)[r]) for n in names)),
+            (normal[r].tolist(), uniform[r].tolist()),
+        )
         for r in range(rows)
     ]
     state, before, after = start(*scene), [], []
@@ -91,7 +100,9 @@ def single_steps(request):
         before.append(state)
         state, row = fly_row(state, target, deal(drawn), scene, plain_scan)
         after.append((state, row))
-    plain, states, given = (jax.tree.map(lambda *leaves: np.array(leaves), *many) for many in (after, before, inputs))
+    plain, states, given = (
+        jax.tree.map(lambda *leaves: np.array(leaves), *many) for many in (after, before, inputs)
+    )
     step = jax.jit(
         jax.vmap(lambda state, target, drawn: fly_row(state, target, deal(drawn), scene, jax.lax.scan)),
         compiler_options=QUICKLY,
@@ -106,17 +117,19 @@ U = 2.0**-24
 
 @pytest.mark.slow
 def test_in_single_precision_a_row_agrees_to_rounding(single_steps):
-    """25 physics steps, each rounding positions of up to 8 m and pixels of up to 512: 25 x 8 U.
+    """25 physics steps, each rounding positions of up to 8 m, headings and speeds: 25 x 8 U.
 
     The inner loops differentiate their set-points: a rounded velocity command, divided by the step of 2 ms and by
     g, is a rounded tilt; divided by the step and multiplied by the loop's 5 / s once more it is an angular
     acceleration, of which the rotors' lag lets 1 / 16 through at once. So rates, thrusts and accelerations carry
-    some 5 U / (g STEP) / 16 / STEP x STEP = 1e-6 a step, 25 of them, a few numbers each: 1e-4.
+    5 U / (g STEP) / 16 for every U of the others. What a pilot remembers are differences of pixels of up to 512,
+    and their lead: 10 x 512 U.
     """
     plain, single = single_steps
     (state, row), (got_state, got_row) = plain, single
-    tight, loose = 25 * 8 * U, 25 * 8 * 5.0 * U / (9.81 * STEP) / 16.0
-    assert loose == pytest.approx(2e-4, rel=0.2)
+    tight, remembered = 25 * 8 * U, 10 * 512 * U
+    differentiated = tight * 5.0 / (9.81 * STEP) / 16.0
+    assert max(remembered, differentiated) < 4e-4
     said = differences(row.action, got_row.action)
     # A stick that stands between two of its steps may fall to either side.
     agreed = np.all([value <= tight for value in said.values()], axis=0)
@@ -125,8 +138,9 @@ def test_in_single_precision_a_row_agrees_to_rounding(single_steps):
         assert value.max() <= 1.0 / STICK_STEPS + tight
     assert set(name.strip(".") for name in said) == set(ACTION_NAMES)
     for name, value in {**differences(state, got_state), **differences(row, got_row)}.items():
-        differentiated = any(part in name for part in ("rates", "thrusts", "acceleration", "turn"))
-        assert value[agreed].max() <= (loose if differentiated else tight), name
+        rough = any(part in name for part in ("rates", "thrusts", "acceleration", "turn"))
+        allowed = remembered if ".pilot" in name else differentiated if rough else tight
+        assert value[agreed].max() <= allowed, name
 
 
 @pytest.mark.slow

@@ -116,12 +116,16 @@ def test_the_sticks_it_names_are_those_that_its_plan_needs(manoeuvre):
 
 
 @EVERY_MANOEUVRE
-def test_held_out_families_are_never_flown_by_default(manoeuvre, monkeypatch):
-    def forbidden(rng, reach):
-        raise AssertionError("a held-out family was drawn")
+def test_only_training_families_are_flown_by_default(manoeuvre, monkeypatch):
+    """What the method is chosen on, and what it is tested on, no demonstration ever shows."""
 
-    for family in paths.HELD_OUT_FAMILIES:
+    def forbidden(rng, reach):
+        raise AssertionError("a family was drawn that is not for training")
+
+    kept_back = set(paths.FAMILIES) - set(paths.TRAINING_FAMILIES)
+    assert set(paths.HELD_OUT_FAMILIES) <= kept_back
+    for family in kept_back:
         monkeypatch.setitem(paths.FAMILIES, family, forbidden)
     for seed in range(100):
         plan(manoeuvre, seed, 60)
-    assert not set(getattr(manoeuvre, "families", ())) & set(paths.HELD_OUT_FAMILIES)
+    assert not set(getattr(manoeuvre, "families", ())) & kept_back

@@ -20,7 +20,9 @@ EVERY_PILOT = pytest.mark.parametrize("pilot", PILOTS, ids=lambda pilot: pilot.n
 
 LOW = (320.0, 180.0, -1e4, -1e4, 0.0, 108.0, 0.0, -3.0, -3.0, -1.0, -2.0)
 HIGH = (320.0, 180.0, 1e4, 1e4, 8.0, 108.0, 1e4, 3.0, 3.0, 1.0, 2.0)
-observations = st.builds(Observation, *(st.floats(a, b, allow_subnormal=False) for a, b in zip(LOW, HIGH, strict=True)))
+observations = st.builds(
+    Observation, *(st.floats(a, b, allow_subnormal=False) for a, b in zip(LOW, HIGH, strict=True))
+)
 noises = st.tuples(*(st.floats(-5.0, 5.0, allow_subnormal=False),) * 4)
 looks = st.lists(st.tuples(observations, noises), min_size=1, max_size=12)
 
@@ -89,9 +91,7 @@ def test_plain_floats_numpy_and_jax_hear_the_same(pilot):
     ]
     with jax.enable_x64(True):
         for array in (np.array, jnp.array):
-            rows = [
-                (Observation(*map(array, seen[r].T)), tuple(map(array, chance[r].T))) for r in range(10)
-            ]
+            rows = [(Observation(*map(array, seen[r].T)), tuple(map(array, chance[r].T))) for r in range(10)]
             said = np.array(flown(pilot, rows))  # rows, actions, flights
             np.testing.assert_allclose(said.transpose(2, 0, 1), plain, rtol=1e-12, atol=1e-12)
 

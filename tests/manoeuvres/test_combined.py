@@ -1,6 +1,7 @@
 """The composite task: lateral motion, climbs and descents in random order, boxes in the way."""
 
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -9,10 +10,10 @@ from fledge.dynamics import UGV_FLEET
 from fledge.formation import FormationControl
 from fledge.manoeuvres import Combined, FormationTrack
 from fledge.manoeuvres.base import MAX_SPREAD_RATE, SPREADS
-from fledge.manoeuvres.combined import OBSTACLES, place_obstacle, spread_sequence
+from fledge.manoeuvres.combined import OBSTACLES, PASSAGE, place_obstacles, spread_sequence
 from fledge.manoeuvres.paths import HELD_OUT_FAMILIES
 from fledge.observation import ROW_RATE
-from fledge.world import check_arena
+from fledge.world import Arena, check_arena
 
 SEEDS = range(20)
 ROWS = 1200
@@ -57,8 +58,8 @@ def test_every_arena_is_furnished_within_its_walls(plans):
         assert len(arena.obstacles) == OBSTACLES
         for obstacle in arena.obstacles:
             box = obstacle.footprint
-            assert arena.bounds.x_min < box.x_min and box.x_max < arena.bounds.x_max
-            assert arena.bounds.y_min < box.y_min and box.y_max < arena.bounds.y_max
+            assert arena.bounds.x_min <= box.x_min and box.x_max <= arena.bounds.x_max
+            assert arena.bounds.y_min <= box.y_min and box.y_max <= arena.bounds.y_max
             assert obstacle.height < arena.ceiling
 
 
@@ -83,12 +84,27 @@ def test_boxes_stand_where_they_matter(plans):
     assert in_the_way > 0.5 * OBSTACLES * len(plans)
 
 
-def test_beside_a_path_that_never_leaves_its_start_the_box_goes_into_a_corner():
+def gap_between(a, b) -> float:
+    across = max(a.x_min - b.x_max, b.x_min - a.x_max, 0.0)
+    along = max(a.y_min - b.y_max, b.y_min - a.y_max, 0.0)
+    return float(np.hypot(across, along))
+
+
+def test_a_ugv_gets_through_between_any_two_boxes(plans):
+    widest = 2.0 * (max(model.radius for model in UGV_FLEET) + FormationControl().clearance)
+    assert widest <= PASSAGE
+    for plan in plans:
+        for one, other in combinations([obstacle.footprint for obstacle in plan.arena.obstacles], 2):
+            assert gap_between(one, other) > PASSAGE
+
+
+def test_on_a_path_that_never_leaves_its_start_the_boxes_stand_out_of_the_way():
     still = FormationTrack.through(*(np.full(10, value) for value in (0.0, 0.0, 0.8)))
-    arena = Combined().plan(np.random.default_rng(0), 100).arena
-    box = place_obstacle(np.random.default_rng(0), still)
-    check_arena(replace(arena, obstacles=(box,)))
-    assert box.footprint.distance(0.0, 0.0) > 4.0
+    boxes = place_obstacles(np.random.default_rng(0), still)
+    assert len(boxes) == OBSTACLES
+    check_arena(replace(Arena.square(), obstacles=boxes))
+    for box in boxes:
+        assert box.footprint.distance(0.0, 0.0) > 4.0
 
 
 def test_held_out_families_can_be_asked_for():

@@ -111,7 +111,9 @@ def test_errors_within_the_threshold_leave_the_stick_alone(share):
 def test_beyond_the_threshold_only_the_excess_counts(sign):
     pilot = HumanModel(remnant=0.0)
     errors = [sign * (pilot.threshold_px + 4.0)] * 40
-    np.testing.assert_allclose(forward_sticks(pilot, errors), forward_sticks(LINEAR, [sign * 4.0] * 40), atol=1e-12)
+    np.testing.assert_allclose(
+        forward_sticks(pilot, errors), forward_sticks(LINEAR, [sign * 4.0] * 40), atol=1e-12
+    )
 
 
 @given(st.lists(st.floats(-2000.0, 2000.0), min_size=8, max_size=8))
@@ -151,7 +153,9 @@ def test_the_remnant_has_the_stated_variance_and_colour():
         last = memories[-1][axis].remnant
         assert last.var() == pytest.approx(wanted, rel=5.0 * math.sqrt(2.0 / OPERATORS))
         correlation = np.corrcoef(last, memories[-3][axis].remnant)[0, 1]
-        assert correlation == pytest.approx(math.exp(-0.1 / pilot.remnant_lag), abs=5.0 / math.sqrt(OPERATORS))
+        assert correlation == pytest.approx(
+            math.exp(-0.1 / pilot.remnant_lag), abs=5.0 / math.sqrt(OPERATORS)
+        )
     independent = np.corrcoef([memories[-1][axis].remnant for axis in range(3)])
     np.testing.assert_allclose(independent, np.eye(3), atol=5.0 / math.sqrt(OPERATORS))
 
@@ -178,7 +182,9 @@ def test_an_operator_without_remnant_is_not_touched_by_noise():
     assert fly(HumanModel(), views, noises)[1] != fly(HumanModel(), views)[1]
 
 
-@pytest.mark.parametrize(("axes", "share"), (((0,), 1), ((2,), 1), ((0, 1), 2), ((0, 1, 2), 3), ((0, 1, 2, 3), 3)))
+@pytest.mark.parametrize(
+    ("axes", "share"), (((0,), 1), ((2,), 1), ((0, 1), 2), ((0, 1, 2), 3), ((0, 1, 2, 3), 3))
+)
 def test_attention_is_shared_between_the_axes_in_use(axes, share):
     """With f = 1 / n the variance of the remnant is n times as large."""
     noises = np.random.default_rng(1).normal(size=(50, 4)).tolist()

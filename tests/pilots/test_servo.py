@@ -53,7 +53,9 @@ def test_the_answer_is_odd_and_each_axis_minds_its_own_error(du, dv, dr):
 @given(st.floats(-1000.0, 1000.0), st.floats(-1000.0, 1000.0))
 def test_a_larger_error_never_gets_a_smaller_answer(a, b):
     near, far = min(a, b), max(a, b)
-    assert act(replace(SETTLED, ugv_v=180.0 - near)).forward <= act(replace(SETTLED, ugv_v=180.0 - far)).forward
+    assert (
+        act(replace(SETTLED, ugv_v=180.0 - near)).forward <= act(replace(SETTLED, ugv_v=180.0 - far)).forward
+    )
 
 
 @given(st.floats(-0.1, 0.1), st.floats(1.0, 5.0), st.floats(1.0, 5.0))

@@ -1,4 +1,4 @@
-"""Paths the formation's centre follows: five families, two of them held out for testing (D10).
+"""Paths the formation's centre follows: seven families, two of them held out for testing (D10).
 
 A path is a polyline in the plane, shape (points, 2) [m], inside a square around the origin. `travel` moves along
 it at a speed that changes smoothly between 0.1 and 0.4 m/s, turning back at its ends.
@@ -60,16 +60,36 @@ def spline(rng: np.random.Generator, reach: float) -> np.ndarray:
     return np.clip(curve, -reach, reach)
 
 
+def zigzag(rng: np.random.Generator, reach: float) -> np.ndarray:
+    """Straight legs between six random way points, the corners hardly rounded."""
+    way = rng.uniform(-reach, reach, (6, 2)) / np.sqrt(2.0)
+    s = np.linspace(0.0, 5.0, POINTS)
+    legs = np.stack([np.interp(s, np.arange(6.0), way[:, i]) for i in range(2)], axis=1)
+    return gaussian_filter1d(legs, 4.0, axis=0, mode="nearest")
+
+
+def eight(rng: np.random.Generator, reach: float) -> np.ndarray:
+    """A figure of eight."""
+    t = np.linspace(0.0, 2.0 * np.pi, POINTS)
+    size = rng.uniform(0.6, 1.0) * reach
+    return _turned(size * np.stack([np.sin(t), np.sin(t) * np.cos(t)], axis=1), rng)
+
+
 FAMILIES: dict[str, Callable[[np.random.Generator, float], np.ndarray]] = {
     "line": line,
     "sine": sine,
     "circle": circle,
     "ell": ell,
     "spline": spline,
+    "zigzag": zigzag,
+    "eight": eight,
 }
 
 TRAINING_FAMILIES = ("line", "sine", "circle")
-"""Flown in demonstrations and while choosing the default method."""
+"""Flown in demonstrations."""
+
+DEVELOPMENT_FAMILIES = ("zigzag", "eight")
+"""Flown while choosing the default method: new to whoever learnt from demonstrations, and not those of the tests."""
 
 HELD_OUT_FAMILIES = ("ell", "spline")
 """Flown in tests only."""
