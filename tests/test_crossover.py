@@ -41,7 +41,9 @@ def known_loop(axis, crossover, delay, remnant, seed, noise=0.0):
     position, goal, forced = (np.zeros((FLIGHTS, ROWS)) for _ in range(3))
     for n in HARMONICS[axis]:
         s = 1j * omega(n)
-        wave = rng.uniform(0.2, 1.0) * np.exp(1j * (omega(n) * T + rng.uniform(0.0, 2.0 * np.pi, (FLIGHTS, 1))))
+        wave = rng.uniform(0.2, 1.0) * np.exp(
+            1j * (omega(n) * T + rng.uniform(0.0, 2.0 * np.pi, (FLIGHTS, 1)))
+        )
         loop = crossover * np.exp(-delay * s) / s
         goal += wave.real
         position += (loop / (1.0 + loop) * wave).real
@@ -81,7 +83,10 @@ def test_noise_averages_out(axis):
 @settings(max_examples=15)
 def test_units_of_position_and_stick_cancel(axis, metres, stick):
     position, goal, said = known_loop(axis, 1.2, 0.5, 0.15, 0)
-    one, other = _measure(axis, position, goal, said), _measure(axis, metres * position, metres * goal, stick * said)
+    one, other = (
+        _measure(axis, position, goal, said),
+        _measure(axis, metres * position, metres * goal, stick * said),
+    )
     for name in ("crossover", "delay", "remnant"):
         assert getattr(other, name) == pytest.approx(getattr(one, name), rel=1e-6)
 

@@ -143,9 +143,7 @@ def test_the_paper_s_counts():
 
 
 def test_every_order_is_flown_to_its_length(flights):
-    wanted = [
-        (order.manoeuvre.name, i, rows) for order in ORDERS for i, rows in enumerate(order.lengths())
-    ]
+    wanted = [(order.manoeuvre.name, i, rows) for order in ORDERS for i, rows in enumerate(order.lengths())]
     assert [(f.manoeuvre, f.case, f.rows) for f in flights] == wanted
     for flight in flights:
         shapes = {np.shape(leaf) for leaf in jax.tree.leaves(flight.episode)}
@@ -163,7 +161,9 @@ def test_a_flight_is_a_function_of_its_seed(flights):
 
 
 def test_no_two_flights_are_alike(flights):
-    starts = {(float(f.episode.world.uav.position.x[0]), float(f.episode.observation.ugv_u[0])) for f in flights}
+    starts = {
+        (float(f.episode.world.uav.position.x[0]), float(f.episode.observation.ugv_u[0])) for f in flights
+    }
     assert len(starts) == len(flights)
 
 
@@ -180,7 +180,9 @@ def test_axes_out_of_use_stay_at_exactly_zero(flights):
 @pytest.mark.slow
 def test_a_flight_does_not_depend_on_what_else_is_collected(flights):
     """Climb alone is another program: fewer flights, and no boxes to stack. Equal but for rounding."""
-    alone = list(collect([order for order in ORDERS if order.manoeuvre.name == "climb"], HumanModel(), seed=0))
+    alone = list(
+        collect([order for order in ORDERS if order.manoeuvre.name == "climb"], HumanModel(), seed=0)
+    )
     among = [flight for flight in flights if flight.manoeuvre == "climb"]
     assert [(f.case, f.rows) for f in alone] == [(f.case, f.rows) for f in among]
     for one, other in zip(alone, among, strict=True):

@@ -29,10 +29,16 @@ def tasks(draw):
     """One to three sub-tasks that demonstrate every action between them, some seeing part of the state only."""
     count = draw(st.integers(1, 3))
     owners = draw(st.lists(st.integers(0, count - 1), min_size=ACTION_DIM, max_size=ACTION_DIM))
-    extra = draw(st.lists(st.sets(st.integers(0, ACTION_DIM - 1), max_size=2), min_size=count, max_size=count))
+    extra = draw(
+        st.lists(st.sets(st.integers(0, ACTION_DIM - 1), max_size=2), min_size=count, max_size=count)
+    )
     demonstrations = {}
     for i in range(count):
-        dims = {dim for dim, owner in enumerate(owners) if owner == i} | extra[i] | ({i} if i not in owners else set())
+        dims = (
+            {dim for dim, owner in enumerate(owners) if owner == i}
+            | extra[i]
+            | ({i} if i not in owners else set())
+        )
         actions = tuple(draw(st.permutations(sorted(dims))))
         states = None
         if draw(st.booleans()):
@@ -123,7 +129,7 @@ def test_a_sub_task_that_sees_everything_needs_no_neutral_and_gets_zeros_else():
     whole, part = SubTask("whole", (0,)), SubTask("part", (1,), states=(2, 0))
     demonstrations = {whole: episodes(0, 3, 1, [2]), part: episodes(1, 2, 1, [2])}
     composite = fuse(demonstrations, 2)
-    (states, _), = demonstrations[part]
+    ((states, _),) = demonstrations[part]
     np.testing.assert_array_equal(composite.states[2:], np.column_stack([states[:, 1], [0, 0], states[:, 0]]))
 
 
@@ -198,8 +204,16 @@ def good(**changes):
         ({"unused": (-1,)}, OutOfRange, ["unused", "(-1,)"]),
         ({"fill": "zeros"}, FledgeError, ["fill", "'zeros'", "mask, zero"]),
         ({"neutral": (0.0, 0.0)}, BadDemonstrations, ["[2, 3]", "agree"]),
-        ({"demonstrations": GOOD | {SubTask("wide", (0,)): episodes(2, 4, 1, [3])}}, BadDemonstrations, ["[3, 4]"]),
-        ({"demonstrations": {SubTask("odd", (0, 1)): episodes(2, 3, 1, [3])}}, BadDemonstrations, ["odd", "(0, 1)"]),
+        (
+            {"demonstrations": GOOD | {SubTask("wide", (0,)): episodes(2, 4, 1, [3])}},
+            BadDemonstrations,
+            ["[3, 4]"],
+        ),
+        (
+            {"demonstrations": {SubTask("odd", (0, 1)): episodes(2, 3, 1, [3])}},
+            BadDemonstrations,
+            ["odd", "(0, 1)"],
+        ),
         ({"demonstrations": {SubTask("low", (-1, 0, 1)): episodes(2, 3, 3, [3])}}, OutOfRange, ["low", "-1"]),
         (
             {"demonstrations": GOOD | {SubTask("far", (0,), states=(0, 3)): episodes(2, 2, 1, [3])}},
@@ -249,7 +263,9 @@ def test_the_digest_knows_where_an_array_ends():
     """The same numbers in the same order, but dealt out differently."""
     numbers = np.arange(1.0, 6.0)
     one, other = (
-        CompositeSet(numbers[None, :k], numbers[None, k:], np.ones((1, 2)), np.zeros(1), np.zeros(1), ("a",), (0,))
+        CompositeSet(
+            numbers[None, :k], numbers[None, k:], np.ones((1, 2)), np.zeros(1), np.zeros(1), ("a",), (0,)
+        )
         for k in (2, 3)
     )
     assert one.digest() != other.digest()
@@ -265,7 +281,9 @@ def test_take_keeps_the_same_share_of_every_episode(lengths, rows):
     for e, length in enumerate(lengths):
         kept = np.flatnonzero(taken.episode == e)
         assert abs(len(kept) - share * length) <= 0.5
-        np.testing.assert_array_equal(taken.states[kept], demonstrations[next(iter(demonstrations))][e][0][: len(kept)])
+        np.testing.assert_array_equal(
+            taken.states[kept], demonstrations[next(iter(demonstrations))][e][0][: len(kept)]
+        )
     assert abs(len(taken.states) - min(rows, total)) <= 0.5 * len(lengths)
     if rows >= total:
         assert taken.digest() == composite.digest()

@@ -115,7 +115,9 @@ def test_what_it_does_not_read_does_not_matter(inputs, states, data):
     policy = network(inputs=tuple(sorted(inputs)))
     unread = sorted(set(range(11)) - inputs)
     other = states.copy()
-    other[:, unread] = data.draw(arrays(float, (5, len(unread)), elements=st.floats(allow_nan=True, width=32)))
+    other[:, unread] = data.draw(
+        arrays(float, (5, len(unread)), elements=st.floats(allow_nan=True, width=32))
+    )
     np.testing.assert_array_equal(policy(states), policy(other))
     one, two = (policy.act((), Observation(*s.tolist()), NOISE)[1] for s in (states[0], other[0]))
     assert one == two

@@ -186,7 +186,9 @@ def test_a_seed_trains_alike_alone_and_among_others(composite, three_seeds):
     "recipe",
     [
         Recipe(epochs=3, batch=64, points=3),
-        Recipe(epochs=5, batch=None, schedule="constant", weight_decay=0.0, split="row", keep="last", points=2),
+        Recipe(
+            epochs=5, batch=None, schedule="constant", weight_decay=0.0, split="row", keep="last", points=2
+        ),
     ],
     ids=["mini-batches", "full batch"],
 )
@@ -406,7 +408,9 @@ def test_the_method_knows_nothing_of_drones():
 
     def shown(dim):
         episodes = rng.uniform(-1.0, 1.0, (5, 40, 3))
-        actions = 0.9 * np.tanh(2.0 * np.stack([episodes[..., 0], episodes[..., 1] - episodes[..., 2]], axis=-1))
+        actions = 0.9 * np.tanh(
+            2.0 * np.stack([episodes[..., 0], episodes[..., 1] - episodes[..., 2]], axis=-1)
+        )
         return [(s.tolist(), a[:, [dim]].tolist()) for s, a in zip(episodes, actions, strict=True)]
 
     grip, lift = fledge.SubTask("grip", actions=(0,)), fledge.SubTask("lift", actions=(1,))

@@ -29,10 +29,9 @@ ROWS = 2400
 WARM_UP = 400
 HARMONICS = {"forward": (3, 5, 11, 19, 31, 43), "left": (4, 7, 13, 23, 37, 47), "up": (2, 6, 10, 17, 29, 41)}
 """Cycles per 120 s: 0.1 to 2.5 rad/s, no two axes alike."""
-BANDS = {"crossover": (1.0, 2.5), "delay": (0.35, 0.80), "remnant": (0.10, 0.30)}
-"""[rad/s], [s], share of power. McRuer and Jex: tau_e of 0.36 s (K/s) to 0.50 s (K/s^2) on a plant like this one, with
-0.05-0.15 s of video and up to 0.2 s of the vehicle's inner loops, which no lead can cancel, on top; drones flown by
-video cross over at 1-2.5 rad/s; remnant of a single task 10-30 %. See docs/method.md."""
+BANDS = {"crossover": (1.0, 2.5), "delay": (0.35, 0.65), "remnant": (0.10, 0.30)}
+"""[rad/s], [s], share of power. McRuer and Jex: tau_e of 0.36 s (K/s) to 0.50 s (K/s^2), with 0.05-0.15 s of video on
+top; drones flown by video cross over at 1-2.5 rad/s; remnant of a single task 10-30 %. See docs/method.md."""
 
 
 @dataclass(frozen=True, slots=True)

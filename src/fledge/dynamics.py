@@ -24,21 +24,29 @@ from fledge.world import UavState, UgvState, VelocityCommand, settle_on_floor
 GRAVITY = 9.81  # [m/s^2]
 
 
+COMMAND_LAG = 0.1
+"""[s] on velocity and yaw commands; chosen. It keeps a step of 1 m/s within the tilt limit, so that the loops stay
+linear and two computers agree on a whole flight."""
+
+
 @dataclass(frozen=True, slots=True)
 class Gains:
-    """One published loop: u = p (in - x) + d (d in/dt - dx/dt), input clipped to +-limit."""
+    """One published loop: u = p (in - x) + d (d in/dt - dx/dt), input clipped to +-limit and lagged."""
 
     p: float
     d: float
     limit: float
+    lag: float = 0.0
+    """[s] of the published filter on the input. The original leaves it at 0, and every new command is then a spike that
+    drives tilt and rotors into their stops; see `COMMAND_LAG`."""
 
     def update(
         self, wanted: Scalar, previous: Scalar, x: Scalar, dx: Scalar, dt: float
     ) -> tuple[Scalar, Scalar]:
-        """(the clipped input, to be passed as `previous` next time; the output u)."""
-        wanted = clip(wanted, -self.limit, self.limit)
-        rate = (wanted - previous) / dt
-        return wanted, self.p * (wanted - x) + self.d * (rate - dx)
+        """(the filtered input, to be passed as `previous` next time; the output u)."""
+        rate = (clip(wanted, -self.limit, self.limit) - previous) / (dt + self.lag)
+        aim = previous + rate * dt
+        return aim, self.p * (aim - x) + self.d * (rate - dx)
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,10 +80,10 @@ class Quadrotor:
     inertia_xy: float = 0.01152  # [kg m^2], same file
     inertia_z: float = 0.0218  # [kg m^2], same file
     max_thrust: float = 30.0  # [N] in all, quadrotor_simple_controller.urdf.xacro
-    velocity_xy: Gains = Gains(5.0, 1.0, 2.0)  # same file; limit [m/s]
-    velocity_z: Gains = Gains(5.0, 1.0, 0.5)  # limit [m/s]
+    velocity_xy: Gains = Gains(5.0, 1.0, 2.0, COMMAND_LAG)  # same file; limit [m/s]
+    velocity_z: Gains = Gains(5.0, 1.0, 0.5, COMMAND_LAG)  # limit [m/s]
     tilt: Gains = Gains(10.0, 5.0, 0.5)  # limit [rad]
-    yaw: Gains = Gains(2.0, 1.0, 1.5)  # limit [rad/s]
+    yaw: Gains = Gains(2.0, 1.0, 1.5, COMMAND_LAG)  # limit [rad/s]
     rotor_offset: float = 0.126  # [m] from each body axis; AR.Drone arm 0.178 m / sqrt(2)
     rotor_drag: float = 0.02  # [m] yaw torque per thrust; chosen, typical of 8-inch rotors
     rotor_lag: float = 0.03  # [s]; chosen, small brushless rotors answer in 20-50 ms
@@ -192,10 +200,10 @@ REAL_AR_DRONE = Quadrotor(
     inertia_xy=0.0022,  # [kg m^2]; scaled from published identifications, 0.002-0.003
     inertia_z=0.0043,  # [kg m^2]; likewise
     max_thrust=8.5,  # [N]; twice the weight
-    velocity_xy=Gains(5.0, 1.0, 2.0),
-    velocity_z=Gains(5.0, 1.0, 0.7),  # control_vz_max 700 mm/s, ardrone_autonomy launch file
+    velocity_xy=Gains(5.0, 1.0, 2.0, COMMAND_LAG),
+    velocity_z=Gains(5.0, 1.0, 0.7, COMMAND_LAG),  # control_vz_max 700 mm/s, ardrone_autonomy launch file
     tilt=Gains(10.0, 5.0, 0.21),  # euler_angle_max 0.21 rad, same file
-    yaw=Gains(2.0, 1.0, 1.75),  # control_yaw 1.75 rad/s, same file
+    yaw=Gains(2.0, 1.0, 1.75, COMMAND_LAG),  # control_yaw 1.75 rad/s, same file
     drag=0.3,  # [1/s]; chosen, the indoor hull catches the air
 )
 """The same loops within the indoor limits of the real AR.Drone 2.0 (ardrone_autonomy, commit d35607b)."""

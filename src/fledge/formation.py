@@ -21,6 +21,22 @@ TINY = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
+class Nearby:
+    """Something that a UGV must not touch, as it sees it."""
+
+    x: Scalar
+    """Unit vector away from its nearest point."""
+    y: Scalar
+    wanted: Scalar
+    """Speed at which it may be approached by choice [m/s]; negative where it is too near already."""
+    allowed: Scalar
+    """Speed at which it may be approached at all [m/s]."""
+    middle_x: Scalar
+    """Vector from its middle to the UGV [m]."""
+    middle_y: Scalar
+
+
+@dataclass(frozen=True, slots=True)
 class FormationControl:
     """Gains of the guidance; all chosen."""
 
@@ -56,69 +72,85 @@ class FormationControl:
         arena: Arena,
     ) -> tuple[VelocityCommand, ...]:
         """What each UGV is told, given where all of them are."""
-        wanted = []
+        told = []
         for i, (ugv, corner) in enumerate(zip(ugvs, self.corners(target, orientation), strict=True)):
             x, y, vx, vy = corner
             ux, uy = vx + self.pull * (x - ugv.x), vy + self.pull * (y - ugv.y)
             ux, uy = _shorten(ux, uy, self.max_speed)
-            ux, uy = self._avoid(i, ugvs, arena, ux, uy)
-            wanted.append(self._steer(ugv, ux, uy))
-        return tuple(wanted)
+            near = self._surroundings(i, ugvs, arena)
+            for thing in near:
+                ux, uy = self._slide(thing, ux, uy)
+            told.append(self._steer(ugv, near, ux, uy))
+        return tuple(told)
 
-    def _avoid(
-        self, i: int, ugvs: tuple[UgvState, ...], arena: Arena, ux: Scalar, uy: Scalar
-    ) -> tuple[Scalar, Scalar]:
-        """The wanted velocity with its approach to everything limited."""
+    def _surroundings(self, i: int, ugvs: tuple[UgvState, ...], arena: Arena) -> list[Nearby]:
+        """Everything that UGV `i` must not touch; what stands still comes last, and has the last word on sliding."""
         me, radius, b = ugvs[i], self.fleet[i].radius, arena.bounds
+        zero = 0.0 * me.x
+        things = []
         for j, other in enumerate(ugvs):
             if j != i:
-                dx, dy = me.x - other.x, me.y - other.y
-                ux, uy = self._limit((dx, dy), (dx, dy), radius + self.fleet[j].radius, ux, uy)
-        for obstacle in arena.obstacles:
-            box = obstacle.footprint
-            middle = (me.x - 0.5 * (box.x_min + box.x_max), me.y - 0.5 * (box.y_min + box.y_max))
-            ux, uy = self._limit(box.gap(me.x, me.y), middle, radius, ux, uy)
-        zero = 0.0 * me.x
+                gap = (me.x - other.x, me.y - other.y)
+                # The first UGV has the right of way: the others make room for it, it does not for them.
+                keep = self.clearance if j < i else 0.5 * self.clearance
+                things.append((gap, gap, radius + self.fleet[j].radius, keep))
         for gap in (
             (me.x - b.x_min, zero),
             (me.x - b.x_max, zero),
             (zero, me.y - b.y_min),
             (zero, me.y - b.y_max),
         ):
-            ux, uy = self._limit(gap, (me.x, me.y), radius, ux, uy)
-        return ux, uy
+            things.append((gap, (me.x, me.y), radius, self.clearance))
+        for obstacle in arena.obstacles:
+            box = obstacle.footprint
+            middle = (me.x - 0.5 * (box.x_min + box.x_max), me.y - 0.5 * (box.y_min + box.y_max))
+            things.append((box.gap(me.x, me.y), middle, radius, self.clearance))
+        return [self._nearby(*thing) for thing in things]
 
-    def _limit(
-        self,
-        gap: tuple[Scalar, Scalar],
-        middle: tuple[Scalar, Scalar],
-        radius: Scalar,
-        ux: Scalar,
-        uy: Scalar,
-    ) -> tuple[Scalar, Scalar]:
-        """The velocity with its approach held to the free distance, and the excess turned into sliding.
-
-        `gap` points to the UGV from the nearest point of what is in the way, `middle` from its middle. The UGV slides
-        to the side on which it is already, seen along its way: the choice confirms itself and never dithers.
-        """
+    def _nearby(
+        self, gap: tuple[Scalar, Scalar], middle: tuple[Scalar, Scalar], radius: Scalar, keep: Scalar
+    ) -> Nearby:
+        """From the vectors to the UGV from a thing's nearest point and from its middle, and the clearance to keep."""
         dx, dy = gap
         far = sqrt(dx * dx + dy * dy) + TINY
-        nx, ny = dx / far, dy / far
-        free = far - radius - self.clearance
-        excess = maximum(-self.approach * free - (ux * nx + uy * ny), 0.0)
-        side = where(uy * middle[0] - ux * middle[1] >= 0.0, self.slide, -self.slide)
-        return ux + excess * (nx - side * ny), uy + excess * (ny + side * nx)
+        free = far - radius
+        # Sliding keeps the whole clearance, holding half of it: on the sliding line there is room to turn.
+        aim, hold = free - keep, maximum(free - 0.5 * self.clearance, 0.0)
+        return Nearby(dx / far, dy / far, self.approach * aim, self.approach * hold, *middle)
 
-    def _steer(self, ugv: UgvState, ux: Scalar, uy: Scalar) -> VelocityCommand:
-        """Follow a velocity with a unicycle, in reverse when that is nearer."""
-        along, across = Heading.of(ugv.heading).from_world(ux, uy)
+    def _slide(self, near: Nearby, ux: Scalar, uy: Scalar) -> tuple[Scalar, Scalar]:
+        """The velocity with its approach held to what is wanted, and the excess turned into sliding.
+
+        The UGV slides to the side of the thing on which it is already, seen along its way: the choice confirms
+        itself and never dithers.
+        """
+        excess = maximum(-near.wanted - (ux * near.x + uy * near.y), 0.0)
+        side = where(uy * near.middle_x - ux * near.middle_y >= 0.0, self.slide, -self.slide)
+        return (
+            ux + excess * (near.x - side * near.y),
+            uy + excess * (near.y + side * near.x),
+        )
+
+    def _steer(self, ugv: UgvState, near: list[Nearby], ux: Scalar, uy: Scalar) -> VelocityCommand:
+        """Follow a velocity with a unicycle, in reverse when that is nearer.
+
+        A unicycle moves along its nose, not along the velocity it wants, and sliding off one thing may lead into
+        another: so its real motion is held to every limit once more.
+        """
+        nose = Heading.of(ugv.heading)
+        along, across = nose.from_world(ux, uy)
         way = where(along >= 0.0, 1.0, -1.0)
         error = atan2(way * across, way * along + TINY)
         speed = sqrt(ux * ux + uy * uy + TINY)
         # At a crawl the direction means little: do not spin after it.
         turn = self.turning * error * speed / (speed + 0.05)
+        forward = clip(along, -self.max_speed, self.max_speed)
+        for thing in near:
+            approach = -forward * (nose.cos * thing.x + nose.sin * thing.y)
+            share = thing.allowed / maximum(approach, TINY)
+            forward = forward * where(approach > thing.allowed, share, 1.0)
         zero = 0.0 * along
-        return VelocityCommand(clip(along, -self.max_speed, self.max_speed), zero, zero, turn)
+        return VelocityCommand(forward, zero, zero, turn)
 
 
 def _shorten(ux: Scalar, uy: Scalar, limit: Scalar) -> tuple[Scalar, Scalar]:

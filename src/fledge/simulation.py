@@ -1,7 +1,7 @@
 """The simulator: everything below it, put together and flown forward in time.
 
-Rates: physics 500 Hz; net and UGV guidance 100 Hz; the pilot decides and a row is stored at 20 Hz, the last
-action held between. One scene is a `Case`, who flies it is a `Crew`, in what vehicles is a `Rig`. `rollout`
+Rates: physics 500 Hz; the net 100 Hz; pilot and UGV guidance decide, and a row is stored, at 20 Hz, the last
+commands held between. One scene is a `Case`, who flies it is a `Crew`, in what vehicles is a `Rig`. `rollout`
 is a pure function of these and of the chance drawn beforehand, written once and run twice: on plain floats
 (`fly_plain`: any pilot, any Python) and compiled by JAX over many scenes at once (`fly`).
 
@@ -57,7 +57,7 @@ from fledge.world import (
 )
 
 TICKS_PER_ROW = 5
-"""Net and guidance run at 100 Hz."""
+"""The net runs at 100 Hz."""
 STEPS_PER_TICK = 5
 """Physics runs at 500 Hz."""
 TICK = 1.0 / (ROW_RATE * TICKS_PER_ROW)

@@ -49,17 +49,6 @@ class FormationTrack:
         vx, vy, spread_rate = rates
         return cls(x, y, vx, vy, spread, spread_rate)
 
-    def after(self, seconds: Any) -> "FormationTrack":
-        """Where an instant's track has moved to a moment later."""
-        return FormationTrack(
-            self.x + self.vx * seconds,
-            self.y + self.vy * seconds,
-            self.vx,
-            self.vy,
-            self.spread + self.spread_rate * seconds,
-            self.spread_rate,
-        )
-
 
 @dataclass(frozen=True, slots=True)
 class Plan:

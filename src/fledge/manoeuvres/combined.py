@@ -22,10 +22,10 @@ from fledge.manoeuvres.paths import FAMILIES, TRAINING_FAMILIES, travel
 from fledge.observation import ROW_RATE
 from fledge.world import Arena, Obstacle
 
-OBSTACLES = 3
+OBSTACLES = 2
 """Boxes in the arena of every Combined flight; chosen, the paper says only "unexpected obstacles"."""
 
-PASSAGE = 1.2
+PASSAGE = 1.6
 """[m] free between boxes: a Pioneer's hull disc is 0.8 m across, and its guidance keeps 0.1 m on either side."""
 
 
@@ -40,7 +40,7 @@ class Combined(AbstractManoeuvre):
     axes = (0, 1, 2)
 
     def plan(self, rng: np.random.Generator, rows: int) -> Plan:
-        """A random path, a random sequence of spreads, and three boxes beside the path."""
+        """A random path, a random sequence of spreads, and boxes beside the path."""
         path = FAMILIES[str(rng.choice(self.families))](rng, self.reach)
         xy = travel(rng, path, rows)
         track = FormationTrack.through(xy[:, 0], xy[:, 1], spread_sequence(rng, rows))

@@ -3,15 +3,15 @@
 Per axis (forward, left, up) the chain is that of the precision model (McRuer and Krendel, AGARDograph 188,
 1974), here in its first-order form, from pixels to stick:
 
-    error -> + remnant -> indifference threshold -> gain and lead (T_L s + 1) / (T_I s + 1)
+    error -> indifference threshold -> lead (T_L s + 1) / (T_I s + 1) -> + remnant -> gain
           -> reaction delay e^(-tau s) -> neuromuscular lag 1 / (T_N s + 1) -> stick stops and steps
 
 * **Gain.** A skilled operator closes the loop at a crossover frequency that hardly depends on the plant (crossover
   model: Y_p Y_c ~ w_c e^(-tau_e s) / s). The model does so by knowing the altitude: K = w_c z / (f v_full).
 * **Lead** answers the lag of the vehicle's velocity loop, as the crossover model says it must.
-* **Remnant** is noise on what is seen, with a spectral density proportional to the variance of what is displayed
-  (Levison, Baron and Kleinman 1969): V = pi rho E[e^2] / f, coloured by a first-order lag as in the structural
-  models. E[e^2] is a running mean.
+* **Remnant** is noise on what is perceived, error and its rate together (the signal y after the lead), with a spectral
+  density proportional to its variance (Levison, Baron and Kleinman 1969): V = pi rho E[y^2] / f, coloured by a
+  first-order lag as in the structural models. E[y^2] is a running mean.
 * **Attention.** f is the share of attention an axis gets. In a sub-task the active axes share it; in Combined three
   do. This is the mechanism by which the composite task is harder for a person. `share_attention=False` turns it
   off (f = 1 everywhere); the study reports both.
@@ -57,14 +57,13 @@ class HumanModel(AbstractPilot):
 
     crossover: float = 1.5  # [rad/s] w_c; drone by video 1-2.5 (McRuer-Jex rules with a video delay)
     crossover_up: float = 2.0  # [rad/s] likewise; the vertical loop answers faster, so the operator may, too
-    lead: float = 0.85  # [s] T_L; the lag of the vehicle's lateral velocity loop, measured from 0.5 to 1.5 rad/s
-    lead_up: float = 0.2  # [s] likewise of its vertical loop
+    lead: float = 0.3  # [s] T_L; the lag of the vehicle's velocity loops, measured from 0.7 to 1.5 rad/s
     lag: float = 0.1  # [s] T_I
-    delay: float = 0.2  # [s] tau; optimal-control model 0.15-0.25 (Kleinman 1970)
+    delay: float = 0.2  # [s] tau, at most 0.45; optimal-control model 0.15-0.25 (Kleinman 1970)
     neuromuscular: float = 0.1  # [s] T_N; same source
     remnant: float = 0.01  # rho, -20 dB; Levison et al. 1969
     remnant_lag: float = 0.23  # [s] T_n; structural-model fits
-    power_memory: float = 5.0  # [s]; chosen, how long E[e^2] remembers
+    power_memory: float = 5.0  # [s]; chosen, how long E[y^2] remembers
     threshold_px: float = 2.0  # indifference; chosen below the 3.6 px rms to which Table 4's person held the radius
     share_attention: bool = True
     axes: Axes = Axes()
@@ -94,30 +93,18 @@ class HumanModel(AbstractPilot):
         metres = o.altitude / self.focal_px
         lateral = self.crossover * metres / self.sticks.horizontal
         vertical = self.crossover_up * o.altitude / o.ideal_radius / self.sticks.vertical
-        ahead, forward = self._axis(
-            memory[0], o.centre_v - o.ugv_v, lateral, self.lead, attention, noise[0]
-        )
-        aside, left = self._axis(
-            memory[1], o.centre_u - o.ugv_u, lateral, self.lead, attention, noise[1]
-        )
-        above, up = self._axis(
-            memory[2], o.radius - o.ideal_radius, vertical, self.lead_up, attention, noise[2]
-        )
+        ahead, forward = self._axis(memory[0], o.centre_v - o.ugv_v, lateral, attention, noise[0])
+        aside, left = self._axis(memory[1], o.centre_u - o.ugv_u, lateral, attention, noise[1])
+        above, up = self._axis(memory[2], o.radius - o.ideal_radius, vertical, attention, noise[2])
         return (ahead, aside, above), Action(forward, left, up, 0.0 * up).only(axes)
 
     def _axis(
-        self,
-        m: AxisMemory,
-        error: Scalar,
-        gain: Scalar,
-        lead: Scalar,
-        attention: Scalar,
-        noise: Scalar,
+        self, m: AxisMemory, error: Scalar, gain: Scalar, attention: Scalar, noise: Scalar
     ) -> tuple[AxisMemory, Scalar]:
         """One axis, one row: displayed error [px] -> stick in [-1, 1]."""
         seen = error - clip(error, -self.threshold_px, self.threshold_px)
         lagged = m.lagged + (seen - m.lagged) * (1.0 - exp(-DT / self.lag))
-        led = lagged + lead / self.lag * (seen - lagged)
+        led = lagged + self.lead / self.lag * (seen - lagged)
         power = m.power + (led * led - m.power) * (DT / self.power_memory)
         # White noise of intensity V through a lag T_n has variance V / (2 T_n).
         keep = exp(-DT / self.remnant_lag)
