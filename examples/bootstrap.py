@@ -34,7 +34,10 @@ def shown(valve, rng):
 
 def main(episodes=10):
     rng = np.random.default_rng(0)
-    sub_tasks = {task: [shown(task.actions[0], rng) for _ in range(episodes)] for task in (LEVEL, TEMPERATURE)}
+    sub_tasks = {
+        LEVEL: [shown(0, rng) for _ in range(episodes)],
+        TEMPERATURE: [shown(1, rng) for _ in range(episodes)],
+    }
     pupils = {"nobody": np.zeros_like, "the teacher": teacher}
     for fill in ("zero", "mask"):
         composite = fledge.fuse(sub_tasks, action_dim=2, fill=fill)

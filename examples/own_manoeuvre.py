@@ -1,6 +1,8 @@
 """A manoeuvre of one's own. In the folder of this file, it is flown by name:
 
     fledge demonstrate --manoeuvre own_manoeuvre:Orbit --pilot servo
+
+It is held to nothing but its class: a name, the axes a demonstrator may use, and a plan.
 """
 
 import numpy as np

@@ -2,6 +2,8 @@
 
     fledge demonstrate --pilot own_pilot:Gentle
     fledge evaluate own_pilot:Smooth servo
+
+A pilot sees the eleven numbers of the paper's Table 2 and says four, each in [-1, 1], twenty times a second.
 """
 
 import math
@@ -30,7 +32,7 @@ class Smooth(fledge.AbstractPilot):
     """With the arithmetic of fledge.scalars it is compiled, and flies a thousand flights at once. It has a memory."""
 
     gain: float = 2.0
-    keep: float = 0.7
+    quickness: float = 0.3
     name = "smooth"
 
     def init(self):
@@ -40,7 +42,7 @@ class Smooth(fledge.AbstractPilot):
         metres = self.gain * seen.altitude / FOCAL_PX
         errors = seen.centre_v - seen.ugv_v, seen.centre_u - seen.ugv_u, seen.radius - seen.ideal_radius
         wishes = (clip(error * metres, -1.0, 1.0) for error in errors)
-        sticks = tuple(self.keep * old + (1.0 - self.keep) * new for old, new in zip(memory, wishes, strict=True))
+        sticks = tuple(old + self.quickness * (new - old) for old, new in zip(memory, wishes, strict=True))
         return sticks, fledge.Action(*sticks, 0.0)
 
 

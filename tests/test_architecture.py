@@ -18,8 +18,10 @@ TESTS = Path(__file__).parent
 LAYERS = (
     ("__init__",),
     ("cli",),
-    ("report", "doctor"),
-    ("figures",),
+    ("commands",),
+    ("logbook", "apprenticeship", "archive", "report", "replay", "lookup", "doctor", "options"),
+    ("console", "figures", "guests"),
+    ("tables",),
     ("storage",),
     ("experiments",),
     ("evaluation", "statistics", "training", "crossover"),
@@ -42,11 +44,15 @@ one name; its files import each other, without cycles. A new module or folder ta
 
 DEPTH = {name: depth for depth, layer in enumerate(LAYERS) for name in layer}
 
-SHELL = {"cli", "report", "doctor", "storage"}
+SHELL = {
+    *("cli", "commands", "options", "lookup", "guests", "console", "doctor"),
+    *("logbook", "apprenticeship", "archive", "report", "replay", "storage"),
+}
 """Files, clocks and terminals live here, and nowhere else."""
 
 MAY_USE_JAX = {
-    *("cli", "report", "doctor", "experiments", "evaluation", "training", "crossover", "simulation"),
+    *("cli", "commands", "doctor", "logbook", "apprenticeship", "archive", "report"),
+    *("experiments", "evaluation", "training", "crossover", "simulation"),
     *("storage.checkpoints", "storage.results"),
 }
 """The simulator and what stands on it. All else serves a lab without JAX: everything below the simulator, the

@@ -20,6 +20,8 @@ from fledge.training import member
 from fledge.world import UavState, UgvState, WorldState
 
 ROWS = 60
+PLAIN_ROWS = 12
+"""For flights in plain Python."""
 CASES = 10
 KEYS = [(7, 1, 2, i) for i in range(2 * CASES)]
 RIG = Rig()
@@ -192,14 +194,17 @@ def test_other_chance_gives_other_scores(cases, served):
 
 @pytest.mark.slow
 def test_a_team_flies_as_each_of_its_members(cases):
+    """In either order; and as each of them does alone, on the other backend."""
     team = some_policies()
+    swapped = jax.tree.map(lambda leaf: leaf[::-1], team)
     together, first = evaluate(cases[:CASES], Crew(team), KEYS[:CASES], team=True)
+    mirrored, second = evaluate(cases[:CASES], Crew(swapped), KEYS[:CASES], team=True)
     assert table(together).shape == (len(Score.names()), 2, CASES)
-    for i in range(2):
-        alone, flight = evaluate(cases[:CASES], Crew(member(team, i)), KEYS[:CASES])
-        np.testing.assert_allclose(table(together)[:, i], table(alone)[:, 0], rtol=2e-3, atol=1e-3)
-        if i == 0:
-            np.testing.assert_allclose(first.world.uav.position.z, flight.world.uav.position.z, atol=1e-4)
+    np.testing.assert_array_equal(table(together)[:, ::-1], table(mirrored))
+    for i, flight in enumerate((first, second)):
+        alone = fly_plain(cases[0], Crew(member(team, i)), KEYS[0])
+        np.testing.assert_allclose(table(together)[:, i, 0], table(score(alone, RIG)), rtol=1e-2, atol=1e-3)
+        np.testing.assert_allclose(flight.world.uav.position.x, alone.world.uav.position.x, atol=1e-3)
     assert not np.allclose(together.distance[0], together.distance[1])
 
 
@@ -215,7 +220,7 @@ class PlainServo(AbstractPilot):
 
 
 def test_a_pilot_in_plain_python_is_evaluated_too(cases):
-    short = [case.lasting(8) for case in cases[:2]]
+    short = [case.lasting(PLAIN_ROWS) for case in cases[:2]]
     scores, first = evaluate(short, Crew(PlainServo()), KEYS[:2])
     assert table(scores).shape == (len(Score.names()), 1, 2)
     for i, (case, key) in enumerate(zip(short, KEYS, strict=False)):
@@ -227,16 +232,15 @@ def test_a_pilot_in_plain_python_is_evaluated_too(cases):
 
 def test_a_compiled_flight_scores_as_the_same_flight_in_plain_python(cases, served):
     """The beginning of case 0, on the other backend; the scores are of exact poses on both."""
-    rows = 12
-    plain = fly_plain(cases[0].lasting(rows), Crew(Servo()), KEYS[0])
-    compiled = take(jax.tree.map(lambda leaf: leaf[None], served[1]), 0, rows)
+    plain = fly_plain(cases[0].lasting(PLAIN_ROWS), Crew(Servo()), KEYS[0])
+    compiled = take(jax.tree.map(lambda leaf: leaf[None], served[1]), 0, PLAIN_ROWS)
     np.testing.assert_allclose(table(score(plain, RIG)), table(score(compiled, RIG)), rtol=1e-2, atol=1e-3)
 
 
 def test_the_rig_that_flies_is_the_rig_that_scores(cases):
     """Another set-point, another error: evaluate scores with the rig it was given."""
     rig = Rig(ideal_radius=90.0, sticks=StickScale(horizontal=0.5))
-    case = cases[0].lasting(8)
+    case = cases[0].lasting(PLAIN_ROWS)
     scores, first = evaluate([case], Crew(PlainServo(), Axes.of((0, 1))), KEYS[:1], rig)
     np.testing.assert_allclose(table(scores)[:, 0, 0], table(score(first, rig)), rtol=1e-6)
     assert (first.observation.ideal_radius == 90.0).all()

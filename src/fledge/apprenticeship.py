@@ -67,10 +67,9 @@ def learn(lesson: Lesson, path: Path, resume: bool = False) -> LossCurve:
     """
     checkpoint = path.with_name(f"{path.name}.checkpoint.npz")
     _make_room(path, checkpoint, resume)
-    state = _resumed(lesson, checkpoint) if resume else None
+    state = start = _resumed(lesson, checkpoint) if resume else None
     with console.progress() as bar:
-        bar.update("training", state.epoch if state else 0, lesson.recipe.epochs)
-        for state in training.train(lesson.composite, lesson.recipe, lesson.keys, state):
+        for state in training.train(lesson.composite, lesson.recipe, lesson.keys, start):
             write_checkpoint(checkpoint, training.arrays(state), lesson.settings)
             bar.update("training", state.epoch, lesson.recipe.epochs)
     assert state is not None
@@ -107,5 +106,5 @@ def _contract(flights: Sequence[Flight]) -> Contract:
     """The eyes and hands with which all of them flew."""
     found = {Contract(lens=f.lens, ideal_radius=f.ideal_radius, sticks=f.sticks) for f in flights}
     if len(found) > 1:
-        raise BadDemonstrations("the flights differ in lens, ideal radius or sticks: valid are demonstrations alike")
+        raise BadDemonstrations("flights of different lens, ideal radius or sticks: valid are alike")
     return found.pop()

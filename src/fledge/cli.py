@@ -1,293 +1,80 @@
-"""The command line.
+"""The command line: finds the command, and makes one line of whatever goes wrong.
 
-A command is a function: its signature is its options, its docstring its help. The work is done in `logbook`,
-`apprenticeship` and `archive`, which put files between the steps of the method, and imported when a command runs.
-Whatever a user gets wrong ends in one line on standard error and exit code 2.
+Exit codes: 0, all is well; 1, `doctor` misses something, or nobody read on; 2, the user can mend it, and the one
+line on standard error says what; 130, interrupted. A traceback is a bug of ours.
 """
 
+import os
 import sys
-import time
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import asdict, replace
-from pathlib import Path
-from typing import Annotated, Any, Literal, Union
+from collections.abc import Callable, Sequence
+from typing import Annotated, Any, Union
 
 import tyro
-from tyro.conf import Positional
 
-from fledge import console, doctor, guests, lookup, tables
+from fledge import commands, console, guests
 from fledge.errors import FledgeError
-from fledge.options import (
-    Cases,
-    Contestants,
-    Episodes,
-    Epochs,
-    File,
-    Flag,
-    Folder,
-    Minutes,
-    Name,
-    Names,
-    NewFile,
-    Seed,
-)
 
-ABOUT = """fledge teaches a drone a composite skill from demonstrations of its simple parts.
-`fledge reproduce` runs the paper's whole study. `demonstrate`, `train`, `evaluate` and `replay` are its steps, one by one:
+ABOUT = """Teach a drone a composite skill from demonstrations of its simple parts.
+
+Everything at once: fledge reproduce. Step by step:
   fledge demonstrate
   fledge train demos
   fledge evaluate policy.onnx servo
   fledge replay demos/combined-000.mcap"""
 
+COMMANDS: dict[str, Callable[..., None]] = {
+    "reproduce": commands.reproduce,
+    "demonstrate": commands.demonstrate,
+    "train": commands.train,
+    "evaluate": commands.evaluate,
+    "replay": commands.replay,
+    "doctor": commands.examine,
+}
+
 
 def main(arguments: Sequence[str] | None = None) -> None:
-    """Run a command; make one line of whatever a user can mend."""
+    """Run a command; leave with one line if it fails."""
     try:
-        _run(sys.argv[1:] if arguments is None else arguments)
+        run(sys.argv[1:] if arguments is None else arguments)
+    except BrokenPipeError:  # whoever read along has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        sys.exit(1)
     except KeyboardInterrupt:
         _leave("interrupted; every file is whole", 130)
-    except FledgeError as error:
-        _leave(error)
-    except ImportError as error:
-        _leave(f"{error}; `fledge doctor` says what to install")
-    except (FileExistsError, NotADirectoryError) as error:
-        _leave(f"{error.filename}: a file is in the way of this folder")
-    except OSError as error:
-        _leave(f"{error.filename or 'standard output'}: {error.strerror}")
     except Exception as error:
-        where = guests.culprit(error)
-        if where is None:
+        line = explain(error)
+        if line is None:
             raise
-        _leave(f"{where}: {type(error).__name__}: {error}")
+        _leave(line, 2)
 
 
-def _leave(message: object, code: int = 2) -> None:
-    console.note(f"fledge: {' '.join(str(message).split())}")
+def run(arguments: Sequence[str]) -> None:
+    """Run the command that the arguments ask for."""
+    kinds = [Annotated[Any, _subcommand(name, arguments)] for name in COMMANDS]
+    tyro.cli(Union[tuple(kinds)], prog="fledge", description=ABOUT, args=arguments)  # pyright: ignore  # noqa: UP007
+
+
+def explain(error: Exception) -> str | None:
+    """What the user reads; None for a bug of ours."""
+    if isinstance(error, FledgeError):
+        return str(error)
+    if isinstance(error, ImportError):
+        return f"{error}; `fledge doctor` says what to install"
+    if isinstance(error, (FileExistsError, NotADirectoryError)):
+        return f"{error.filename}: a file is in the way of this folder"
+    if isinstance(error, OSError):
+        return f"{error.filename or 'standard output'}: {error.strerror}"
+    where = guests.culprit(error)
+    return where and f"{where}: {type(error).__name__}: {error}"
+
+
+def _subcommand(name: str, arguments: Sequence[str]) -> Any:
+    """A command with its whole help if it was asked for, else with the first line of it."""
+    first = (COMMANDS[name].__doc__ or "").split("\n")[0]
+    description = None if name in arguments[:1] else first
+    return tyro.conf.subcommand(name, constructor=COMMANDS[name], description=description)
+
+
+def _leave(line: str, code: int) -> None:
+    console.note("fledge: " + " ".join(line.split()))
     sys.exit(code)
-
-
-def _run(arguments: Sequence[str]) -> None:
-    commands = {
-        "reproduce": reproduce,
-        "demonstrate": demonstrate,
-        "train": train,
-        "evaluate": evaluate,
-        "replay": replay,
-        "doctor": examine,
-    }
-    kinds = [Annotated[Any, _command(name, call, arguments)] for name, call in commands.items()]
-    tyro.cli(Union[tuple(kinds)], prog="fledge", description=ABOUT, args=arguments)  # pyright: ignore
-
-
-def _command(name: str, call: Callable[..., None], arguments: Sequence[str]) -> Any:
-    """The list of commands shows the first line of each; the whole help is for the one that is asked for."""
-    first = (call.__doc__ or "").split("\n")[0]
-    return tyro.conf.subcommand(name, constructor=call, description=None if name in arguments[:1] else first)
-
-
-def reproduce(
-    quick: Flag = False, full: Flag = False, seed: Seed = 0, out: Folder = Path("report"), json: NewFile = None
-) -> None:
-    """Run the paper's whole study: demonstrate, fuse, train, fly, compare, report.
-
-    Leaves index.html, results.json, the figures, the policies, the demonstrations and a sample flight of every
-    set-up. By default six networks of each are trained, in a few minutes. Run again in the same folder, it keeps the demonstrations.
-
-    Args:
-        quick: Train one network of each set-up; under a minute.
-        full: Train 20 networks of every set-up, and two for the paper's 10,000 epochs; half an hour.
-        seed: Another seed: other demonstrations, networks and test cases.
-        out: Where everything goes.
-        json: Write the results to this file, too; with -, to standard output and nothing else there.
-    """
-    if quick and full:
-        raise FledgeError("--quick and --full exclude each other: give one, or neither")
-    from fledge import archive, logbook
-    from fledge.demonstrations import PAPER_ORDERS
-    from fledge.experiments import Study
-    from fledge.pilots import HumanModel
-    from fledge.report import write_report
-
-    study = Study.of("full" if full else "quick" if quick else "brief", seed)
-    times: dict[str, float] = {}
-    with _timing(times, "demonstrations"):
-        flights = logbook.fill(out / "demonstrations", PAPER_ORDERS, HumanModel(), seed)
-    with _timing(times, "study"):
-        results = archive.conduct(study, flights)
-    summary = archive.store(out, results, times)
-    page = write_report(out)
-    title = f"{study.cases} Combined test flights, times {study.training_seeds} where a network is trained"
-    primary = [one for one in summary["comparisons"] if one["family"] == "primary"]
-    console.show(
-        summary,
-        json,
-        tables.scores(title, summary["setups"]),
-        *tables.comparisons(primary),
-        summary["operator"]["sentence"],
-        f"report: {page}",
-    )
-
-
-def demonstrate(
-    out: Folder = Path("demos"),
-    manoeuvre: Names = (),
-    episodes: Episodes = None,
-    minutes: Minutes = None,
-    pilot: Name = "human-model",
-    seed: Seed = 0,
-    json: NewFile = None,
-) -> None:
-    """Let a pilot fly demonstrations, and store each flight as one MCAP file.
-
-    By default the paper's: 5, 10, 10 and 10 episodes of fixed-altitude, climb, descend and combined, with 5,296,
-    4,691, 4,904 and 5,464 rows at 20 Hz. Interrupted and run again, it goes on where it was.
-
-    Args:
-        out: Where the flights go.
-        manoeuvre: What to fly, by name or as package.module:Name of your own; the paper's four by default.
-        episodes: Flights of each manoeuvre; the paper's numbers by default.
-        minutes: Length of each flight, 0.1 to 60; by default the paper's rows are shared out.
-        pilot: Who flies: human-model, servo, or package.module:Name of your own.
-        seed: Another seed: other flights.
-        json: Write a summary to this file, too; with -, to standard output and nothing else there.
-    """
-    from fledge import logbook
-    from fledge.manoeuvres import MANOEUVRES
-
-    chosen = [lookup.manoeuvre(name) for name in dict.fromkeys(manoeuvre)] or list(MANOEUVRES)
-    orders = logbook.orders(chosen, episodes, minutes)
-    flights = logbook.fill(out, orders, lookup.pilot(pilot), seed)
-    rows = {order.manoeuvre.name: order.rows for order in orders}
-    console.show(
-        {"folder": str(out), "pilot": pilot, "seed": seed, "flights": len(flights), "rows": rows},
-        json,
-        f"{out}: {len(flights)} flights by {pilot}, " + ", ".join(f"{name} {n:,} rows" for name, n in rows.items()),
-    )
-
-
-def train(
-    demos: Annotated[Folder, Positional],
-    setup: Name = "primitive",
-    recipe: Literal["fast", "paper"] = "fast",
-    epochs: Epochs = None,
-    out: File = Path("policy.onnx"),
-    seed: Seed = 0,
-    resume: Flag = False,
-    json: NewFile = None,
-) -> None:
-    """Fuse demonstrations (Algorithm 1), train a network on them, store it as one ONNX file.
-
-    Set-ups: primitive learns from fixed-altitude, climb and descend by the default method; primitive-paper and
-    primitive-zero likewise by the paper's method, and by the default one with its zero fill; dnn-combined learns
-    from combined.
-
-    Args:
-        demos: A folder that `fledge demonstrate` filled.
-        setup: What to learn from, and by which method.
-        recipe: How to optimise: fast takes seconds, paper 10,000 epochs of all rows at once.
-        epochs: Other than the recipe's number of them.
-        out: The policy. Until it is done, its checkpoint stands beside it.
-        seed: Another seed: other initial weights, another order of rows.
-        resume: Go on from the checkpoint that an interrupted training left.
-        json: Write the losses to this file, too; with -, to standard output and nothing else there.
-    """
-    from fledge import apprenticeship, logbook
-
-    plan, chosen = lookup.setup(setup), apprenticeship.recipe(recipe, epochs)
-    lesson = apprenticeship.Lesson.of(logbook.read(demos), plan, chosen, seed)
-    curve = apprenticeship.learn(lesson, out, resume)
-    rows, last = len(lesson.composite.states), float(curve.training[-1, 0])
-    held_out = float(curve.validation[-1, 0])
-    console.show(
-        {
-            "policy": str(out),
-            "setup": setup,
-            "rows": rows,
-            "delay_rows": lesson.delay,
-            **lesson.settings,
-            "epochs": curve.epochs.tolist(),
-            "training_loss": curve.training[:, 0].tolist(),
-            "held_out_loss": curve.validation[:, 0].tolist(),
-        },
-        json,
-        f"{out}: {setup} on {rows:,} rows; mean squared error {last:.4f}, held out {held_out:.4f}",
-    )
-
-
-def evaluate(
-    policies: Contestants,
-    manoeuvre: Name = "combined",
-    cases: Cases = 200,
-    seed: Seed = 0,
-    json: NewFile = None,
-) -> None:
-    """Fly policies and pilots on the same test cases, and compare the first with each of the others.
-
-    Each case is a flight of 60 s with its own path, wind and noise. The paper's four manoeuvres are flown along paths that
-    no demonstration used.
-
-    Args:
-        policies: ONNX files, and names of pilots: human-model, servo, or package.module:Name of your own.
-        manoeuvre: What the UGVs do: combined, fixed-altitude, climb, descend, or package.module:Name of your own.
-        cases: How many flights each of them flies.
-        seed: Another seed: other cases.
-        json: Write scores and comparisons to this file, too; with -, to standard output and nothing else there.
-    """
-    if not policies:
-        raise FledgeError("nobody to evaluate: valid are ONNX files and names of pilots, one or more")
-    from fledge.experiments import duel
-
-    test, crews = lookup.test(manoeuvre), {name: lookup.contestant(name) for name in policies}
-    with console.progress() as bar:
-        found = duel(crews, test, cases, seed, lambda done: bar.update("evaluation", done, len(crews)))
-    scores = tables.scores(f"{test.name}: {cases} flights of 60 s each", found["entries"])
-    summary = {"manoeuvre": test.name, "cases": cases, "seed": seed, **found}
-    console.show(summary, json, scores, *tables.comparisons(found["comparisons"]))
-
-
-def replay(flight: Annotated[File, Positional], out: NewFile = None, json: NewFile = None) -> None:
-    """Draw a stored flight and say how good it was. The file itself opens in Foxglove, too.
-
-    Args:
-        flight: An MCAP file.
-        out: The picture: .png, .svg or .pdf, or .gif for an animation; a .png beside the flight by default.
-        json: Write the flight's scores to this file, too; with -, to standard output and nothing else there.
-    """
-    from fledge.evaluation import Score, score
-    from fledge.replay import draw_flight
-    from fledge.simulation import Rig
-    from fledge.storage import read_flight
-
-    stored = read_flight(flight)
-    picture = draw_flight(stored, out or flight.with_suffix(".png"))
-    scored = score(stored.episode, replace(Rig(), lens=stored.lens, ideal_radius=stored.ideal_radius))
-    scores = {name: float(getattr(scored, name)) for name in Score.names()}
-    about = {name: getattr(stored, name) for name in ("manoeuvre", "pilot", "net", "seed", "case", "rows")}
-    title = "{manoeuvre} by {pilot}, net {net}, seed {seed}, case {case}, {rows} rows".format(**about)
-    summary = about | {"scores": scores, "picture": str(picture)}
-    console.show(summary, json, tables.flight(title, scores), f"picture: {picture}")
-
-
-def examine(json: NewFile = None) -> None:
-    """Say what fledge finds on this machine, what is missing, and what to type.
-
-    Exits with 1 if something is missing that fledge needs.
-
-    Args:
-        json: Write the findings to this file, too; with -, to standard output and nothing else there.
-    """
-    findings = doctor.examine()
-    well = all(finding.ok or not finding.needed for finding in findings)
-    summary = {"well": well, "findings": [asdict(finding) for finding in findings]}
-    console.show(summary, json, *map(str, findings))
-    if not well:
-        sys.exit(1)
-
-
-@contextmanager
-def _timing(times: dict[str, float], stage: str) -> Iterator[None]:
-    """Note how long a stage took [s]."""
-    start = time.perf_counter()
-    yield
-    times[stage] = round(time.perf_counter() - start, 1)

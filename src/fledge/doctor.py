@@ -65,12 +65,13 @@ def _package(name: str) -> Finding:
     remedy = f'pip install "{name}{bounds}"'
     try:
         version = metadata.version(name)
-        import_module(name)
     except metadata.PackageNotFoundError:
         return Finding(what, False, "not installed", remedy)
+    try:
+        import_module(name)
     except Exception as error:  # a broken package raises as it pleases
         reason = f"{type(error).__name__}: {error}".split("\n")[0]
-        return Finding(what, False, f"{version}, but it cannot be imported: {reason}", f"{remedy} --force-reinstall")
+        return Finding(what, False, f"{version}, broken ({reason})", f"{remedy} --force-reinstall")
     if not _within(version, bounds):
         return Finding(what, False, f"{version}, not tested with fledge", remedy, needed=False)
     return Finding(what, True, version)
@@ -113,13 +114,14 @@ def _device() -> Finding:
         asked = os.environ.get("JAX_PLATFORMS")
         remedy = f"unset JAX_PLATFORMS, which is {asked!r}" if asked else ""
         return Finding("JAX device", False, str(error).split("\n")[0], remedy)
-    return Finding("JAX device", True, f"{len(devices)} x {devices[0].device_kind}, {os.cpu_count()} processor cores")
+    return Finding(
+        "JAX device", True, f"{len(devices)} {devices[0].device_kind}; {os.cpu_count()} processor cores"
+    )
 
 
 def _folder() -> Finding:
     if not os.access(".", os.W_OK):
-        return Finding("this folder", False, "cannot be written to", "go to another, or give --out", needed=False)
+        return Finding("this folder", False, "cannot be written to", "give --out", needed=False)
     free = shutil.disk_usage(".").free / 1e9
-    ok = free > FREE_GB
-    remedy = "" if ok else f"a full study wants {FREE_GB} GB"
-    return Finding("this folder", ok, f"{free:.1f} GB free", remedy, needed=False)
+    remedy = "" if free > FREE_GB else f"make room: {FREE_GB} GB will do"
+    return Finding("this folder", not remedy, f"{free:.1f} GB free", remedy, needed=False)

@@ -21,7 +21,8 @@ if TYPE_CHECKING:
     from fledge.manoeuvres import AbstractManoeuvre
     from fledge.pilots import AbstractPilot
 
-HOMES = (Path(__file__).parent, *(Path(sysconfig.get_path(name)) for name in ("stdlib", "purelib", "platlib")))
+INSTALLED = (Path(sysconfig.get_path(name)) for name in ("stdlib", "purelib", "platlib"))
+HOMES = (Path(__file__).parent, *INSTALLED)
 """Where code lies that is no guest's."""
 
 TRIAL_ROWS = 200
@@ -63,7 +64,9 @@ def manoeuvre(name: str) -> "AbstractManoeuvre":
         raise FledgeError(f"{name}: plan returned {_short(plan)}: valid is a Plan")
     shapes = {np.shape(getattr(plan.track, part)) for part in ("x", "y", "vx", "vy", "spread", "spread_rate")}
     if shapes != {(TRIAL_ROWS,)}:
-        raise FledgeError(f"{name}: of {TRIAL_ROWS} rows it planned shapes {shapes}: valid is ({TRIAL_ROWS},) each")
+        raise FledgeError(
+            f"{name}: asked for {TRIAL_ROWS} rows, it planned {shapes}: valid is one number a row"
+        )
     return guest
 
 
@@ -94,7 +97,7 @@ def _made(base: type, name: str) -> Any:
     module = _imported(kind, module_name)
     if not hasattr(module, attribute):
         known = ", ".join(one.__name__ for one in kinds(module, base))
-        raise FledgeError(f"{name}: {module_name} has no {attribute!r}: valid is a {kind}, {known or 'but it has none'}")
+        raise FledgeError(f"{name}: no such {kind}: {module_name} has {known or 'none'}")
     thing = getattr(module, attribute)
     try:
         guest = thing() if isinstance(thing, type) else thing

@@ -33,7 +33,7 @@ def orders(
         FledgeError: two manoeuvres of one name, or too many rows.
     """
     if len({manoeuvre.name for manoeuvre in manoeuvres}) < len(manoeuvres):
-        raise FledgeError(f"manoeuvres {', '.join(one.name for one in manoeuvres)}: valid are different names")
+        raise FledgeError(f"manoeuvres {[one.name for one in manoeuvres]}: valid are different names")
     paper = {order.manoeuvre.name: (order.episodes, order.rows) for order in PAPER_ORDERS}
     usual = [Order(one, *paper.get(one.name, (EPISODES, ROWS))) for one in manoeuvres]
     chosen = [_resized(order, episodes or order.episodes, minutes) for order in usual]
@@ -99,5 +99,5 @@ def _checked(path: Path, pilot: AbstractPilot, seed: int, lengths: dict[str, int
     has = f"{flight.rows} rows by {flight.pilot} with seed {flight.seed}"
     fits = f"{lengths.get(path.name, flight.rows)} rows by {pilot.name} with seed {seed}"
     if has != fits:
-        raise FledgeError(f"{path}: {has}, where {fits} belong: valid is an empty folder, or the command that filled it")
+        raise FledgeError(f"{path}: {has}, where {fits} belong: go on as it was begun, or give another --out")
     return flight

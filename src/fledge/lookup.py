@@ -1,9 +1,9 @@
 """From a name on the command line to what it names.
 
 A pilot or a manoeuvre is named by its module (`servo` is `fledge/pilots/servo.py`, `fixed-altitude` is
-`fledge/manoeuvres/fixed_altitude.py`), or as `package.module:Name` from anywhere Python can import, the current folder
-included (see `guests`). There is no registry: whatever has the right base class will do. Who flies an evaluation may be a
-policy's file, too.
+`fledge/manoeuvres/fixed_altitude.py`), or as `package.module:Name` from anywhere Python can import, the current
+folder included (see `guests`). There is no registry: whatever has the right base class will do. Who flies in an
+evaluation may be a policy's file, too.
 """
 
 import pkgutil

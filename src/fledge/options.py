@@ -18,7 +18,13 @@ MOST_CASES = 10_000
 
 def _kind(metavar: str, read: Callable[[str], Any]) -> PrimitiveConstructorSpec[Any]:
     """An option of one word."""
-    return PrimitiveConstructorSpec(1, metavar, lambda words: read(words[0]), lambda _: True, lambda value: [str(value)])
+    return PrimitiveConstructorSpec(
+        nargs=1,
+        metavar=metavar,
+        instance_from_str=lambda words: read(words[0]),
+        is_instance=lambda value: True,
+        str_from_instance=lambda value: [str(value)],
+    )
 
 
 def _number(name: str, kind: type, least: float, most: float) -> PrimitiveConstructorSpec[Any]:

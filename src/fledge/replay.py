@@ -66,9 +66,8 @@ def _draw(flight: Flight) -> tuple["Figure", dict[str, "Axes"]]:
     panels = figure.subplot_mosaic([["top", "altitude"], ["top", "u"], ["top", "v"]], width_ratios=[1.0, 1.1])
     figures._arena(panels["top"], flight)
     figures._tracks(panels["top"], flight, LOOK)
-    bounds = flight.arena.bounds
-    panels["top"].set(xlim=(bounds.x_min - 0.2, bounds.x_max + 0.2), ylim=(bounds.y_min - 0.2, bounds.y_max + 0.2))
     panels["top"].set(aspect="equal", xlabel="x, east [m]", ylabel="y, north [m]", title="from above")
+    panels["top"].autoscale()
     t = np.asarray(flight.episode.world.t)
     panels["altitude"].plot(t, ideal_altitude(flight), color=INK, linewidth=3.2, alpha=0.25)
     panels["altitude"].plot(t, flight.episode.world.uav.position.z, color=LOOK.light)
@@ -92,7 +91,8 @@ def _frames(flight: Flight, figure: "Figure", panels: dict[str, "Axes"]) -> Iter
     ring = {"marker": "o", "markersize": 11.0, "fillstyle": "none", "linestyle": ""}
     (uav,) = panels["top"].plot([], [], color=LOOK.light, **ring, animated=True)
     (ugvs,) = panels["top"].plot([], [], color=MUTED, **ring, animated=True)
-    times = [panels[name].axvline(0.0, color=INK, linewidth=0.8, animated=True) for name in ("altitude", "u", "v")]
+    cursor = {"color": INK, "linewidth": 0.8, "animated": True}
+    times = [panels[name].axvline(0.0, **cursor) for name in ("altitude", "u", "v")]
     canvas.draw()
     still = canvas.copy_from_bbox(figure.bbox)
     world = flight.episode.world
@@ -103,5 +103,5 @@ def _frames(flight: Flight, figure: "Figure", panels: dict[str, "Axes"]) -> Iter
         for line in times:
             line.set_xdata([world.t[row]])
         for artist in (uav, ugvs, *times):
-            artist.axes.draw_artist(artist)
+            artist.draw(canvas.get_renderer())
         yield Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("P", palette=Image.Palette.ADAPTIVE)

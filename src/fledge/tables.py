@@ -1,7 +1,7 @@
 """The tables that the command line shows: records in, text in rows and columns out.
 
-They fit a terminal of 80 columns where names are short. Means over flights come with standard deviations. "sticks" is how
-fast they move: their mean absolute change per second.
+They fit a terminal of 80 columns where names are short. Means over flights come with their standard deviations.
+"sticks" is how fast the pilot moves them: their mean absolute change per second.
 """
 
 from collections.abc import Iterable, Mapping
