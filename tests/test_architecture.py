@@ -24,6 +24,8 @@ LAYERS = (
     ("tables",),
     ("storage",),
     ("experiments",),
+    ("findings",),
+    ("setups",),
     ("evaluation", "statistics", "training", "crossover"),
     ("fusion", "policy"),
     ("demonstrations",),
@@ -52,11 +54,12 @@ SHELL = {
 
 MAY_USE_JAX = {
     *("cli", "commands", "doctor", "logbook", "apprenticeship", "archive", "report"),
-    *("experiments", "evaluation", "training", "crossover", "simulation"),
+    *("experiments", "findings", "setups", "evaluation", "training", "crossover", "simulation"),
+    *("demonstrations", "fusion"),
     *("storage.checkpoints", "storage.results"),
 }
-"""The simulator and what stands on it. All else serves a lab without JAX: everything below the simulator, the
-method up to a trained policy, and the way from a file to a flying policy."""
+"""The simulator and what stands on it, the collecting of demonstrations included. All else serves a lab without JAX:
+everything below the simulator, and the way from a file to a flying policy."""
 
 IMPURE_MODULES = {
     *("asyncio", "socket", "subprocess", "threading", "multiprocessing"),

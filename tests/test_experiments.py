@@ -7,34 +7,24 @@ import jax
 import numpy as np
 import pytest
 
-from fledge import crossover, demonstrations, experiments, statistics
+from fledge import crossover, demonstrations, experiments, findings, statistics
 from fledge.crossover import BANDS, Credibility
 from fledge.demonstrations import PAPER_ORDERS, Order, collect
 from fledge.errors import BadDemonstrations, OutOfRange
 from fledge.evaluation import Score, evaluate
 from fledge.experiments import (
-    BASIC,
-    CANDIDATES,
-    DEFAULT_METHOD,
-    DEVELOPMENT,
-    EXPLORATORY,
-    FLYING_AXES,
-    FURTHER,
-    PAPER_METHOD,
-    PRIMARY,
-    SUB_TASKS,
-    TEST_MANOEUVRES,
     Learnt,
-    Method,
     Progress,
     Results,
-    Setup,
-    Study,
     by_sub_task,
     composite_set,
     duel,
     learn,
     run,
+)
+from fledge.findings import (
+    EXPLORATORY,
+    PRIMARY,
     summarise,
 )
 from fledge.manoeuvres import Combined
@@ -42,6 +32,20 @@ from fledge.manoeuvres.paths import FAMILIES
 from fledge.observation import Axes
 from fledge.pilots import HumanModel, Servo
 from fledge.policy import Policy
+from fledge.setups import (
+    BASIC,
+    CANDIDATES,
+    DEFAULT_METHOD,
+    DEVELOPMENT,
+    FLYING_AXES,
+    FURTHER,
+    PAPER_METHOD,
+    SUB_TASKS,
+    TEST_MANOEUVRES,
+    Method,
+    Setup,
+    Study,
+)
 from fledge.simulation import Crew, Rig, flight_key
 from fledge.training import Recipe
 
@@ -49,6 +53,8 @@ FIVE = ("human-combined", "dnn-combined", "primitive-paper", "primitive", "servo
 SHORT = Recipe(epochs=2, batch=None, points=2)
 SLOWER = Servo(p=0.5)
 """In place of the operator in flight: one program less to compile."""
+ROWS = 60
+"""Flights of three seconds."""
 STUDY = Study(
     "tiny",
     tuple(
@@ -59,9 +65,9 @@ STUDY = Study(
     cases=4,
     manoeuvre_cases=2,
     training_seeds=2,
+    rows=ROWS,
 )
 ORDERS = tuple(Order(order.manoeuvre, 2, 121) for order in PAPER_ORDERS)
-ROWS = 60
 
 
 def believe(operator, seed, flights=8, rig=Rig()):

@@ -12,9 +12,10 @@ from typing import Any, Literal
 from fledge import console, training
 from fledge.episode import Flight
 from fledge.errors import BadDemonstrations, BadFile
-from fledge.experiments import Setup, by_sub_task, composite_set
+from fledge.experiments import by_sub_task, composite_set
 from fledge.fusion import CompositeSet
 from fledge.policy import Contract
+from fledge.setups import Setup
 from fledge.storage import read_checkpoint, sweep, write_checkpoint, write_policy
 from fledge.training import LossCurve, Recipe
 

@@ -6,7 +6,8 @@ from typing import Any
 
 from fledge import console
 from fledge.episode import Flight
-from fledge.experiments import Results, Study, run
+from fledge.experiments import Results, run
+from fledge.setups import Study
 from fledge.storage import sweep, write_flight, write_json, write_policy
 from fledge.storage.results import plain
 from fledge.training import member

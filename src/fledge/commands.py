@@ -56,9 +56,9 @@ def reproduce(
         raise FledgeError("--quick and --full exclude each other: give one, or neither")
     from fledge import archive, logbook
     from fledge.demonstrations import PAPER_ORDERS
-    from fledge.experiments import Study
     from fledge.pilots import HumanModel
     from fledge.report import write_report
+    from fledge.setups import Study
 
     study = Study.of("full" if full else "quick" if quick else "brief", seed)
     times: dict[str, float] = {}
@@ -114,8 +114,7 @@ def demonstrate(
     console.show(
         {"folder": str(out), "pilot": pilot, "seed": seed, "flights": len(flights), "rows": rows},
         json,
-        f"{out}: {len(flights)} flights by {pilot}; rows: "
-        + ", ".join(f"{name} {count:,}" for name, count in rows.items()),
+        f"{out}: flown by {pilot}, " + ", ".join(f"{name} {count:,} rows" for name, count in rows.items()),
     )
 
 
@@ -177,7 +176,7 @@ def evaluate(
     seed: Seed = 0,
     json: NewFile = None,
 ) -> None:
-    """Fly policies and pilots on the same cases, and compare the first with the others.
+    """Fly policies and pilots on the same cases; compare the first with the others.
 
     Every case is a flight of 60 s with a path, wind and noise of its own.
 

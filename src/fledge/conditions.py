@@ -113,9 +113,7 @@ def next_drift(
     return where(row % DRIFT_ROWS == 0, fresh, drift)
 
 
-def sense(
-    views: tuple[Observation, ...], noise: RowNoise, conditions: Conditions
-) -> Observation:
+def sense(views: tuple[Observation, ...], noise: RowNoise, conditions: Conditions) -> Observation:
     """What the pilot sees, of the exact views of the last `SIGHT_ROWS` rows, newest first."""
     rows = conditions.delay * ROW_RATE
     weights = [maximum(0.0 * rows, 1.0 - abs(rows - i)) for i in range(SIGHT_ROWS)]

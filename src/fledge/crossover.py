@@ -70,8 +70,7 @@ class SumOfSines(AbstractManoeuvre):
 def _sines(rng: np.random.Generator, harmonics: tuple[int, ...], rows: int, size: float) -> np.ndarray:
     t = np.arange(rows) / ROWS
     waves = [
-        size / (1.0 + (n / 10.0) ** 2) * np.sin(2.0 * np.pi * (n * t + rng.uniform()))
-        for n in harmonics
+        size / (1.0 + (n / 10.0) ** 2) * np.sin(2.0 * np.pi * (n * t + rng.uniform())) for n in harmonics
     ]
     return np.sum(waves, axis=0)
 

@@ -10,6 +10,7 @@ The paper's text and its row counts contradict each other (episodes of 5 and 10 
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -62,9 +63,9 @@ class Demonstrations:
         """
         if isinstance(data, Demonstrations):
             return data
-        bare = isinstance(data, tuple) and len(data) == 2
-        bare = bare and not (isinstance(data[0], tuple) and np.ndim(data[0][:1]) == 3)  # two episodes
-        pairs: Iterable[Pair] = [data] if bare else data  # type: ignore[list-item]
+        # A tuple of two is a bare pair, unless its first item is a pair itself.
+        bare = isinstance(data, tuple) and len(data) == 2 and not isinstance(data[0], tuple)
+        pairs: Iterable[Any] = [data] if bare else data
         episodes = tuple(_checked(pair, f"{name}, episode {i}") for i, pair in enumerate(pairs))
         if not episodes:
             raise BadDemonstrations(f"{name}: no episode; at least one is needed")
@@ -89,9 +90,7 @@ class Demonstrations:
         return self.episodes[0][1].shape[1]
 
 
-def collect(
-    orders: Sequence[Order], pilot: AbstractPilot, seed: int, rig: Rig = Rig()
-) -> Iterator[Flight]:
+def collect(orders: Sequence[Order], pilot: AbstractPilot, seed: int, rig: Rig = Rig()) -> Iterator[Flight]:
     """Let a pilot demonstrate; each flight is a pure function of manoeuvre, pilot, seed and its number.
 
     All flights run in one compiled program; a pilot that JAX cannot trace flies one after the other.

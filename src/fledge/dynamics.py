@@ -134,15 +134,9 @@ class Quadrotor:
         ax, ay = heading.from_world(memory.acceleration.x, memory.acceleration.y)
         forward, want_x = self.velocity_xy.update(command.forward, last.forward, vx, ax, dt)
         left, want_y = self.velocity_xy.update(command.left, last.left, vy, ay, dt)
-        up, want_z = self.velocity_z.update(
-            command.up, last.up, state.velocity.z, memory.acceleration.z, dt
-        )
-        aim_roll, roll_torque = self.tilt.update(
-            -want_y / GRAVITY, last.roll, roll, state.rates.x, dt
-        )
-        aim_pitch, pitch_torque = self.tilt.update(
-            want_x / GRAVITY, last.pitch, pitch, state.rates.y, dt
-        )
+        up, want_z = self.velocity_z.update(command.up, last.up, state.velocity.z, memory.acceleration.z, dt)
+        aim_roll, roll_torque = self.tilt.update(-want_y / GRAVITY, last.roll, roll, state.rates.x, dt)
+        aim_pitch, pitch_torque = self.tilt.update(want_x / GRAVITY, last.pitch, pitch, state.rates.y, dt)
         # The published yaw loop has no measured derivative.
         turn, yaw_torque = self.yaw.update(command.turn, last.turn, state.rates.z, 0.0, dt)
         # Tilted rotors lift less: the load factor gives back 1 / cos(tilt).
@@ -171,8 +165,7 @@ class Quadrotor:
         )
         most, share = self.max_thrust / 4.0, dt / (dt + self.rotor_lag)
         a, b, c, d = (
-            now + (clip(goal, 0.0, most) - now) * share
-            for now, goal in zip(thrusts, wanted, strict=True)
+            now + (clip(goal, 0.0, most) - now) * share for now, goal in zip(thrusts, wanted, strict=True)
         )
         return a, b, c, d
 

@@ -15,14 +15,14 @@ class FledgeError(Exception):
 class UnknownName(FledgeError):
     """A name that nothing answers to."""
 
-    def __init__(self, kind: str, got: object, valid: Iterable[str]):
+    def __init__(self, kind: str, got: object, valid: Iterable[str]) -> None:
         super().__init__(f"unknown {kind} {got!r}: valid are {', '.join(sorted(valid))}")
 
 
 class OutOfRange(FledgeError):
     """A number outside the range in which it means something."""
 
-    def __init__(self, what: str, got: object, valid: str):
+    def __init__(self, what: str, got: object, valid: str) -> None:
         super().__init__(f"{what} is {got}: valid is {valid}")
 
 
@@ -33,7 +33,7 @@ class BadDemonstrations(FledgeError):
 class BadFile(FledgeError):
     """A file that is missing, truncated, foreign or cannot be written."""
 
-    def __init__(self, path: object, why: str):
+    def __init__(self, path: object, why: str) -> None:
         super().__init__(f"{path}: {why}")
 
 

@@ -47,7 +47,6 @@ class Score:
     effort: Any
     """Mean absolute stick deflection."""
 
-
     @classmethod
     def names(cls) -> tuple[str, ...]:
         """What is scored."""

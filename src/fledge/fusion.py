@@ -85,8 +85,13 @@ class CompositeSet:
             for e in np.unique(self.episode)
         ])
         return CompositeSet(
-            self.states[keep], self.actions[keep], self.mask[keep],
-            self.episode[keep], self.subtask[keep], self.names, self.inputs,
+            self.states[keep],
+            self.actions[keep],
+            self.mask[keep],
+            self.episode[keep],
+            self.subtask[keep],
+            self.names,
+            self.inputs,
         )
 
 
@@ -175,9 +180,9 @@ def _check(
     """The composite state's dimension, if everything fits together."""
     if not demonstrations:
         raise BadDemonstrations("no sub-task; at least one is needed")
-    whole = {
-        data.state_dim for task, data in demonstrations.items() if task.states is None
-    } | ({len(neutral)} if neutral is not None else set())
+    whole = {data.state_dim for task, data in demonstrations.items() if task.states is None} | (
+        {len(neutral)} if neutral is not None else set()
+    )
     if len(whole) != 1:
         raise BadDemonstrations(
             f"composite states of {sorted(whole) or 'unknown'} entries: sub-tasks without `states`, "

@@ -131,7 +131,5 @@ class Box:
     def distance(self, x: Scalar, y: Scalar) -> Scalar:
         """Signed distance [m] from (x, y) to the edge: positive outside, negative inside."""
         dx, dy = self.gap(x, y)
-        inside = minimum(
-            minimum(x - self.x_min, self.x_max - x), minimum(y - self.y_min, self.y_max - y)
-        )
+        inside = minimum(minimum(x - self.x_min, self.x_max - x), minimum(y - self.y_min, self.y_max - y))
         return sqrt(dx * dx + dy * dy) - maximum(inside, 0.0)

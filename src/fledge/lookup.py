@@ -15,10 +15,10 @@ from fledge import guests
 from fledge.errors import BadFile, FledgeError, UnknownName
 
 if TYPE_CHECKING:
-    from fledge.experiments import Setup
     from fledge.manoeuvres import AbstractManoeuvre
     from fledge.pilots import AbstractPilot
     from fledge.policy import Policy
+    from fledge.setups import Setup
 
 
 def pilot(name: str) -> "AbstractPilot":
@@ -53,7 +53,7 @@ def test(name: str) -> "AbstractManoeuvre":
     Raises:
         FledgeError: there is none, or it is none.
     """
-    from fledge.experiments import TEST_MANOEUVRES
+    from fledge.setups import TEST_MANOEUVRES
 
     declared = {one.name: one for one in TEST_MANOEUVRES}
     return declared.get(name) or manoeuvre(name)
@@ -65,7 +65,7 @@ def setup(name: str) -> "Setup":
     Raises:
         UnknownName: there is none.
     """
-    from fledge.experiments import BASIC, FURTHER
+    from fledge.setups import BASIC, FURTHER
 
     known = {one.name: one for one in BASIC + FURTHER if one.trained_on and not (one.rows or one.seeds)}
     if name not in known:

@@ -97,9 +97,7 @@ class Policy(AbstractPilot):
             )
         return np.asarray(self._forward(state[..., list(self.inputs)], np))
 
-    def act(
-        self, memory: tuple[()], observation: Observation, noise: Noise
-    ) -> tuple[tuple[()], Action]:
+    def act(self, memory: tuple[()], observation: Observation, noise: Noise) -> tuple[tuple[()], Action]:
         """One decision; the noise is ignored."""
         entries = [getattr(observation, OBSERVATION_NAMES[i]) for i in self.inputs]
         x = stack(entries, like=self.mean)

@@ -130,9 +130,11 @@ def stack(values: Sequence[Scalar], like: Any) -> Any:
 
 def unstack(array: Any) -> list[Scalar]:
     """The entries along the last axis: the way out of a network."""
-    return array.tolist() if type(array) is np.ndarray and array.ndim == 1 else [
-        array[..., i] for i in range(array.shape[-1])
-    ]
+    return (
+        array.tolist()
+        if type(array) is np.ndarray and array.ndim == 1
+        else [array[..., i] for i in range(array.shape[-1])]
+    )
 
 
 def wrap_angle(angle: Scalar) -> Scalar:

@@ -90,7 +90,6 @@ class Case:
         rng = np.random.default_rng(list(key))
         return cls(manoeuvre.plan(rng, rows), Conditions.draw(rng))
 
-
     def lasting(self, rows: int) -> "Case":
         """The same cut to `rows` rows, or with its last row repeated up to them."""
         pick = np.minimum(np.arange(rows), len(self.plan.track.x) - 1)
@@ -176,9 +175,7 @@ def fly_row(
     drift = next_drift(state.drift, state.row, noise, case.conditions)
     error = noise.command.scaled(case.conditions.command_noise) + drift
     wind = case.conditions.wind + gust
-    told = rig.formation.commands(
-        state.world.ugvs, target, case.plan.orientation, case.plan.arena
-    )
+    told = rig.formation.commands(state.world.ugvs, target, case.plan.orientation, case.plan.arena)
     commands = Commands(proposed, told)
 
     def tick(carry: tuple[WorldState, UavMemory, Any], since: Scalar) -> tuple[Any, Any]:
@@ -198,9 +195,7 @@ def fly_row(
         steps = np.zeros(STEPS_PER_TICK)
         (memory, uav, ugvs), _ = scan(step, (memory, world.uav, world.ugvs), steps)
         t = state.row / ROW_RATE + since + TICK
-        stamped = WorldState(
-            t, replace(uav, stamp=t), tuple(replace(ugv, stamp=t) for ugv in ugvs)
-        )
+        stamped = WorldState(t, replace(uav, stamp=t), tuple(replace(ugv, stamp=t) for ugv in ugvs))
         return (stamped, memory, net), verdicts
 
     ticks = np.arange(TICKS_PER_ROW) * TICK
@@ -225,9 +220,7 @@ def rollout(
     return episode
 
 
-def plain_scan(
-    step: Callable[[Any, Any], tuple[Any, Any]], carry: Any, inputs: Any
-) -> tuple[Any, Any]:
+def plain_scan(step: Callable[[Any, Any], tuple[Any, Any]], carry: Any, inputs: Any) -> tuple[Any, Any]:
     """`jax.lax.scan` without JAX's arrays: a loop over plain floats, its outputs stacked by NumPy."""
     leaves, shape = jax.tree.flatten(inputs)
     outputs = []
@@ -338,9 +331,7 @@ def _draw(key: jax.Array) -> tuple[jax.Array, jax.Array]:
 
 def _deal(chance: tuple[Any, Any]) -> RowNoise:
     normal, uniform = chance
-    return row_noise(
-        [normal[i] for i in range(NORMALS)], [uniform[i] for i in range(UNIFORMS)]
-    )
+    return row_noise([normal[i] for i in range(NORMALS)], [uniform[i] for i in range(UNIFORMS)])
 
 
 def traceable(pilot: AbstractPilot) -> bool:
@@ -353,7 +344,10 @@ def traceable(pilot: AbstractPilot) -> bool:
     try:
         # As in a flight: the memory goes through a scan, so it is traced, too, and must keep its kind.
         jax.eval_shape(
-            lambda m, o, n: jax.lax.scan(lambda m, _: (pilot.act(m, o, n)[0], ()), m, length=1), memory, seen, noise
+            lambda m, o, n: jax.lax.scan(lambda m, _: (pilot.act(m, o, n)[0], ()), m, length=1),
+            memory,
+            seen,
+            noise,
         )
     except (TypeError, ValueError):  # JAX's own errors are TypeErrors
         return False
@@ -363,9 +357,7 @@ def traceable(pilot: AbstractPilot) -> bool:
 def stack_cases(cases: Sequence[Case]) -> Case:
     """One Case with a leading axis of flights, arenas padded to the same number of obstacles."""
     most = max(len(case.plan.arena.obstacles) for case in cases)
-    padded = [
-        replace(case, plan=replace(case.plan, arena=case.plan.arena.padded(most))) for case in cases
-    ]
+    padded = [replace(case, plan=replace(case.plan, arena=case.plan.arena.padded(most))) for case in cases]
     return stack(padded)
 
 

@@ -382,9 +382,7 @@ def _epochs(
     return jax.lax.scan(epoch, (layers, state), numbers)[0]
 
 
-def _longer(
-    curve: LossCurve, epoch: int, training: np.ndarray, validation: np.ndarray
-) -> LossCurve:
+def _longer(curve: LossCurve, epoch: int, training: np.ndarray, validation: np.ndarray) -> LossCurve:
     return replace(
         curve,
         epochs=np.append(curve.epochs, epoch),

@@ -46,9 +46,7 @@ class Arena:
     def padded(self, obstacles: int) -> "Arena":
         """The same with `obstacles` boxes; those added stand out of reach, so that arenas can be stacked."""
         nowhere = Obstacle(Box(1e4, 1e4 + 1.0, 1e4, 1e4 + 1.0), 1.0)
-        return replace(
-            self, obstacles=self.obstacles + (nowhere,) * (obstacles - len(self.obstacles))
-        )
+        return replace(self, obstacles=self.obstacles + (nowhere,) * (obstacles - len(self.obstacles)))
 
 
 def check_arena(arena: Arena) -> Arena:

@@ -64,7 +64,9 @@ class HumanModel(AbstractPilot):
     remnant: float = 0.01  # rho, -20 dB; Levison et al. 1969
     remnant_lag: float = 0.23  # [s] T_n; structural-model fits
     power_memory: float = 5.0  # [s]; chosen, how long E[y^2] remembers
-    threshold_px: float = 2.0  # indifference; chosen below the 3.6 px rms to which Table 4's person held the radius
+    threshold_px: float = (
+        2.0  # indifference; chosen below the 3.6 px rms to which Table 4's person held the radius
+    )
     share_attention: bool = True
     axes: Axes = Axes()
     focal_px: float = 374.7  # Lens.focal_px; a person learns this scale by flying
@@ -118,6 +120,4 @@ class HumanModel(AbstractPilot):
     def _recall(self, wishes: tuple[Scalar, ...]) -> Scalar:
         """The wish of `delay` seconds ago, interpolated between rows."""
         rows = self.delay * ROW_RATE
-        return sum(
-            wish * maximum(0.0, 1.0 - abs(rows - i)) for i, wish in enumerate(wishes)
-        )
+        return sum(wish * maximum(0.0, 1.0 - abs(rows - i)) for i, wish in enumerate(wishes))

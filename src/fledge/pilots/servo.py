@@ -22,9 +22,7 @@ class Servo(AbstractPilot):
     sticks: StickScale = field(default=StickScale(), metadata={"static": True})
     name = "servo"
 
-    def act(
-        self, memory: tuple[()], observation: Observation, noise: Noise
-    ) -> tuple[tuple[()], Action]:
+    def act(self, memory: tuple[()], observation: Observation, noise: Noise) -> tuple[tuple[()], Action]:
         """Straight from the picture."""
         o = observation
         metres = o.altitude / self.focal_px

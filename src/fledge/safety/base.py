@@ -19,7 +19,5 @@ class AbstractNet(ABC):
         """The memory of a net that guards `arena`, at the start of a flight."""
 
     @abstractmethod
-    def filter(
-        self, memory: Any, world: WorldState, commands: Commands
-    ) -> tuple[Any, tuple[Verdict, ...]]:
+    def filter(self, memory: Any, world: WorldState, commands: Commands) -> tuple[Any, tuple[Verdict, ...]]:
         """(memory, verdicts): the UAV's verdict first, then one per UGV. Called at 100 Hz."""

@@ -20,6 +20,5 @@ class NoNet(AbstractNet):
         """The commands as they came."""
         zero = 0.0 * world.t
         return memory, tuple(
-            Verdict(command, zero, zero, zero + float("inf"))
-            for command in (commands.uav, *commands.ugvs)
+            Verdict(command, zero, zero, zero + float("inf")) for command in (commands.uav, *commands.ugvs)
         )

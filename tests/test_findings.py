@@ -1,0 +1,43 @@
+"""What is made of scores: adjusted within a family, honest about what did not fly."""
+
+import json
+
+import numpy as np
+import pytest
+
+from fledge.evaluation import Score
+from fledge.findings import METRICS, PRIMARY, compare_pairs, summarise_scores
+from fledge.statistics import holm
+
+
+def scores(mean: float, seeds: int = 1, cases: int = 12) -> Score:
+    rng = np.random.default_rng(int(10 * mean))
+    return Score(*(mean + rng.normal(0.0, 1.0, (seeds, cases)) for _ in Score.names()))
+
+
+def test_a_summary_is_json_and_counts_flights():
+    summary = json.loads(json.dumps(summarise_scores(scores(10.0, seeds=3), rows=1200)))
+    assert summary["flights"] == 36
+    assert summary["distance_integral_px_s"] == pytest.approx(60.0 * summary["distance"]["mean"])
+    assert summary["radius"]["sd"] > 0.0
+
+
+def test_p_values_are_adjusted_over_the_whole_family():
+    flown = {"a": scores(10.0), "b": scores(11.0), "c": scores(10.2)}
+    found = compare_pairs([("a", "b"), ("a", "c")], METRICS, flown, seed=0)
+    assert [c.p_holm for c in found] == list(holm([c.p for c in found]))
+    assert [(c.a, c.b, c.metric) for c in found] == [
+        ("a", "b", METRICS[0]),
+        ("a", "b", METRICS[1]),
+        ("a", "c", METRICS[0]),
+        ("a", "c", METRICS[1]),
+    ]
+
+
+def test_what_did_not_fly_is_not_compared():
+    assert compare_pairs(PRIMARY, METRICS, {"primitive": scores(10.0)}, seed=0) == ()
+
+
+def test_the_primary_family_is_the_one_fixed_in_advance():
+    assert PRIMARY == (("primitive", "dnn-combined"), ("primitive", "human-combined"))
+    assert METRICS == ("distance_rmse", "radius_rmse")
