@@ -7,6 +7,7 @@ evaluation may be a policy's file, too.
 """
 
 import pkgutil
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -123,4 +124,4 @@ def _policy(path: Path) -> "Policy":
     shape = (policy.states, len(policy.biases[-1]))
     if shape != (len(policy.contract.observation), len(ACTION_NAMES)):
         raise BadFile(path, f"a policy from {shape[0]} numbers to {shape[1]} actions: valid is from 11 to 4")
-    return policy
+    return replace(policy, contract=None)  # it names the data: left in, every policy would be compiled anew

@@ -68,11 +68,8 @@ def flights(request):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("day", ("nominal", "perfect"))
-def test_in_double_precision_a_minute_of_flight_agrees_to_nine_digits(flights, day, request):
+def test_in_double_precision_a_minute_of_flight_agrees_to_nine_digits(flights, day):
     crew, flown = flights
-    if crew.pilot.name == "servo":
-        why = "the derivative of a command step drives rotors to their stops, where rounding is amplified"
-        request.applymarker(pytest.mark.xfail(reason=why))
     i = ("nominal", "perfect").index(day)
     plain = rollout(((NOMINAL, PERFECT)[i], crew, Rig()), chance(ROWS), deal, plain_scan)
     assert len(plain.world.t) == ROWS

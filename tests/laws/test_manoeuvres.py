@@ -82,10 +82,7 @@ def test_speeds_spreads_and_their_rates_keep_to_what_is_declared(manoeuvre, rows
 
 @EVERY_MANOEUVRE
 @pytest.mark.parametrize("rows", (20, 100, 200))
-def test_short_flights_spread_no_faster_than_long_ones(manoeuvre, rows, request):
-    if manoeuvre.name in ("climb", "descend"):
-        why = "the whole change of spread is pressed into the flight, however short it is"
-        request.applymarker(pytest.mark.xfail(reason=why))
+def test_short_flights_spread_no_faster_than_long_ones(manoeuvre, rows):
     rates = [np.abs(plan(manoeuvre, seed, rows).track.spread_rate).max() for seed in SEEDS]
     assert max(rates) <= MAX_SPREAD_RATE + 1e-9
 
@@ -95,16 +92,6 @@ def test_the_rates_are_the_derivatives_of_the_places(manoeuvre):
     track = plan(manoeuvre, 3, 480).track
     for value, rate in ((track.x, track.vx), (track.y, track.vy), (track.spread, track.spread_rate)):
         np.testing.assert_allclose(rate[1:-1], (value[2:] - value[:-2]) * ROW_RATE / 2.0, atol=1e-12)
-
-
-@EVERY_MANOEUVRE
-def test_a_moment_later_everything_has_moved_at_its_rate(manoeuvre):
-    track = plan(manoeuvre, 3, 480).track
-    later = track.after(1.0 / ROW_RATE)
-    for name in ("x", "y", "spread"):
-        # To within half of what the speed may change in a row, turning back included.
-        np.testing.assert_allclose(getattr(later, name)[:-1], getattr(track, name)[1:], atol=5e-3)
-    np.testing.assert_array_equal(later.vx, track.vx)
 
 
 @EVERY_MANOEUVRE
