@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fledge import cli, demonstrations, doctor, setups
+from fledge import cli, demonstrations, doctor, experiments, setups
 from fledge.cli import main
 from fledge.errors import FledgeError
 from fledge.policy import Contract
@@ -292,6 +292,7 @@ def test_a_study_of_one_seed_is_the_same_study_twice(tmp_path, monkeypatch, caps
     few = [setup for setup in setups.BASIC if setup.name in ("human-combined", "primitive")]
     study = setups.Study("quick", tuple(replace(setup, recipe=Recipe.fast(2)) for setup in few), 3, 2, 1, rows=200)
     monkeypatch.setattr(demonstrations, "PAPER_ORDERS", small)
+    monkeypatch.setattr(experiments, "credibility", lambda *_, **__: [])  # has its own tests, and takes long
     monkeypatch.setattr(setups.Study, "of", lambda mode, seed: replace(study, seed=seed))
     stored, found = [], []
     for folder in (tmp_path / "once", tmp_path / "twice"):
@@ -399,9 +400,10 @@ DEMONSTRATE = (
 
 
 @pytest.mark.slow
-def test_demonstrate_killed_again_and_again_loses_nothing(launch, tmp_path):
+def test_demonstrate_killed_again_and_again_loses_nothing(launch, tmp_path, monkeypatch):
     whole, killed = tmp_path / "whole", tmp_path / "killed"
-    finish(launch(DEMONSTRATE + str(whole), EXAMPLES))
+    monkeypatch.chdir(EXAMPLES)
+    main((DEMONSTRATE + str(whole)).split())
     kill_while_writing(launch(DEMONSTRATE + str(killed), EXAMPLES, HANGING.replace("HANG", "3")))
     first = flights_in(killed)
     assert len(first) == 1 and len(list(killed.glob(".*.partial"))) == 1
@@ -421,7 +423,7 @@ TRAIN = "train demos --epochs 60 --out "
 
 @pytest.mark.slow
 def test_train_killed_and_resumed_ends_in_the_same_bytes(launch, here):
-    finish(launch(TRAIN + "whole.onnx", here))
+    main((TRAIN + "whole.onnx").split())
     checkpoint = here / "killed.onnx.checkpoint.npz"
     kill_while_writing(launch(TRAIN + "killed.onnx", here, HANGING.replace("HANG", "9")))
     assert checkpoint.exists() and len(list(here.glob(".*.partial"))) == 1

@@ -132,6 +132,8 @@ def test_every_entry_it_reads_matters_and_in_its_own_place():
         moved[entry] += 20.0
         assert np.abs(policy(moved) - policy(state)).max() > 1e-3
         np.testing.assert_allclose(policy(moved), in_words(policy, moved), atol=1e-4)
+        action = policy.act((), Observation(*moved.tolist()), NOISE)[1]
+        np.testing.assert_allclose(astuple(action), policy(moved), atol=1e-5)
 
 
 def test_with_four_outputs_it_is_a_pilot():

@@ -1,0 +1,65 @@
+"""What stands in a table is what was found, in the units of its head."""
+
+import pytest
+
+from fledge import tables
+from fledge.tables import METRICS
+
+ENTRY = {
+    "distance": {"mean": 12.345, "sd": 6.789},
+    "radius": {"mean": 101.25, "sd": 55.5},
+    "distance_rmse_px": 14.0,
+    "radius_rmse_px": 9.5,
+    "in_view": 0.98765,
+    "smoothness": 1.25,
+}
+
+
+def comparison(metric, **other):
+    found = {"difference": -0.5, "interval": (-0.75, 0.25), "p_holm": 0.03125, "effect_size": -1.5}
+    return {"a": "primitive", "b": "servo", "metric": metric, **found, **other}
+
+
+def test_scores_are_in_the_units_of_their_heads():
+    table = tables.scores("flights", {"servo": ENTRY})
+    assert [" ".join(head.split()) for head in table.columns] == [
+        *("", "distance mean [px]", "radius mean [px²]", "distance RMSE [px]", "radius RMSE [px]"),
+        *("in view [%]", "sticks [1/s]"),
+    ]
+    assert table.rows == (("servo", "12.3 ± 6.8", "101.2 ± 55.5", "14.00", "9.50", "98.77", "1.25"),)
+
+
+def test_a_table_of_scores_fits_a_terminal_where_names_are_short():
+    table = tables.scores("flights", {"policy.onnx": ENTRY})
+    cells = [max(len(line) for text in column for line in text.split("\n")) for column in zip(*table.rows, strict=True)]
+    heads = [max(map(len, head.split("\n"))) for head in table.columns]
+    assert sum(max(pair) + 2 for pair in zip(cells, heads, strict=True)) <= 80
+
+
+@pytest.mark.parametrize("metric", METRICS)
+def test_a_comparison_is_in_the_unit_of_its_metric(metric):
+    name, factor = METRICS[metric]
+    (table,) = tables.comparisons([comparison(metric)])
+    assert table.title == "primitive minus servo"
+    interval = f"{-0.75 * factor:+.2f} to {0.25 * factor:+.2f}"
+    assert table.rows == ((name, f"{-0.5 * factor:+.2f}", interval, "0.0312", "-1.50"),)
+
+
+def test_a_very_small_p_is_not_called_zero():
+    (table,) = tables.comparisons([comparison("in_view", p_holm=1e-7)])
+    assert table.rows[0][3] == "< 0.0001"
+
+
+def test_every_pair_has_its_table():
+    found = [comparison(metric, b=b) for b in ("servo", "human-combined") for metric in METRICS]
+    assert [(table.title, len(table.rows)) for table in tables.comparisons(found)] == [
+        ("primitive minus servo", 3),
+        ("primitive minus human-combined", 3),
+    ]
+    assert tables.comparisons([]) == []
+
+
+def test_a_flights_score_comes_with_units():
+    scores = {"distance": 1.0, "distance_rmse": 2.0, "radius": 9.0, "radius_rmse": 3.0}
+    table = tables.flight("climb", scores | {"in_view": 0.5, "smoothness": 0.25, "effort": 0.125})
+    assert [value for _, value in table.rows] == ["1.00 px", "2.00 px", "9.00 px²", "3.00 px", "50.00 %", "0.25", "0.125"]
