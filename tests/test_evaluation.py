@@ -202,9 +202,12 @@ def test_a_team_flies_as_each_of_its_members(cases):
     assert table(together).shape == (len(Score.names()), 2, CASES)
     np.testing.assert_array_equal(table(together)[:, ::-1], table(mirrored))
     for i, flight in enumerate((first, second)):
-        alone = fly_plain(cases[0], Crew(member(team, i)), KEYS[0])
-        np.testing.assert_allclose(table(together)[:, i, 0], table(score(alone, RIG)), rtol=1e-2, atol=1e-3)
-        np.testing.assert_allclose(flight.world.uav.position.x, alone.world.uav.position.x, atol=1e-3)
+        np.testing.assert_allclose(table(together)[:, i, 0], table(score(flight, RIG)), rtol=1e-4, atol=1e-5)
+        alone = fly_plain(cases[0].lasting(PLAIN_ROWS), Crew(member(team, i)), KEYS[0])
+        for part in ("x", "y", "z"):
+            together_at, alone_at = (getattr(e.world.uav.position, part) for e in (flight, alone))
+            np.testing.assert_allclose(together_at[:PLAIN_ROWS], alone_at, atol=1e-3)
+        np.testing.assert_allclose(flight.action.forward[:PLAIN_ROWS], alone.action.forward, atol=1e-3)
     assert not np.allclose(together.distance[0], together.distance[1])
 
 

@@ -7,7 +7,7 @@ import jax
 import numpy as np
 import pytest
 
-from fledge import crossover, demonstrations, experiments, findings, statistics
+from fledge import crossover, demonstrations, experiments, statistics
 from fledge.crossover import BANDS, Credibility
 from fledge.demonstrations import PAPER_ORDERS, Order, collect
 from fledge.errors import BadDemonstrations, OutOfRange

@@ -241,7 +241,7 @@ def circles(flights: Flights, axis: str) -> "Figure":
     """Ideal and actual UGV circle over time on one axis of the image, one panel per set-up."""
     figure, panels = _panels(len(flights), 1, 0.92, apart=(0.0, 0.3), sharex=True, sharey=True)
     for panel, (name, flight) in zip(panels, flights.items(), strict=True):
-        _circle(panel, flight, LOOKS[name], axis)
+        draw_circle(panel, flight, LOOKS[name], axis)
         panel.set(title=name, ylabel="u [px]" if axis == "horizontal" else "v [px]")
         panel.spines["bottom"].set_visible(False)
         panel.tick_params(axis="x", length=0.0)
@@ -258,7 +258,8 @@ def circles(flights: Flights, axis: str) -> "Figure":
     return figure
 
 
-def _circle(panel: "Axes", flight: Flight, how: Look, axis: str) -> None:
+def draw_circle(panel: "Axes", flight: Flight, how: Look, axis: str) -> None:
+    """The UGVs' circle over time on one image axis, and where it should be [px]."""
     t, picture = np.asarray(flight.episode.world.t), look(flight.lens, flight.episode.world)
     horizontal = axis == "horizontal"
     size = flight.lens.width_px if horizontal else flight.lens.height_px
@@ -286,8 +287,8 @@ def top_view(flights: Flights) -> "Figure":
     shared = {"sharex": True, "sharey": True}
     figure, panels = _panels(-(-len(flights) // columns), columns, height, apart=(0.12, 0.32), **shared)
     for panel, (name, flight) in zip(panels, flights.items(), strict=False):
-        _arena(panel, flight)
-        _tracks(panel, flight, LOOKS[name])
+        draw_arena(panel, flight)
+        draw_tracks(panel, flight, LOOKS[name])
         panel.set(title=name, xlim=xlim, ylim=ylim, aspect="equal")
         panel.locator_params(nbins=6, integer=True)
     for panel in panels[len(flights) :]:
@@ -305,7 +306,8 @@ def top_view(flights: Flights) -> "Figure":
     return figure
 
 
-def _arena(panel: "Axes", flight: Flight) -> None:
+def draw_arena(panel: "Axes", flight: Flight) -> None:
+    """Walls, and boxes with their heights [m]."""
     from matplotlib.patches import Rectangle
 
     walls = {"fill": False, "edgecolor": MUTED, "linewidth": 1.6}
@@ -328,7 +330,8 @@ def _obstacles(flight: Flight) -> list[Obstacle]:
     return [one for one in flight.arena.obstacles if one.footprint.x_min < flight.arena.bounds.x_max]
 
 
-def _tracks(panel: "Axes", flight: Flight, how: Look) -> None:
+def draw_tracks(panel: "Axes", flight: Flight, how: Look) -> None:
+    """The ways of UAV and UGVs, seen from above."""
     world = flight.episode.world
     some = slice(None, None, 5)
     for ugv in world.ugvs:

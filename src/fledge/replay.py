@@ -11,10 +11,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fledge import figures
 from fledge.episode import Flight
 from fledge.errors import BadFile
-from fledge.figures import INK, LOOKS, MUTED, STYLE, ideal_altitude
+from fledge.figures import (
+    INK,
+    LOOKS,
+    MUTED,
+    STYLE,
+    draw_arena,
+    draw_circle,
+    draw_tracks,
+    ideal_altitude,
+)
 from fledge.storage import write
 
 if TYPE_CHECKING:
@@ -64,16 +72,16 @@ def _draw(flight: Flight) -> tuple["Figure", dict[str, "Axes"]]:
 
     figure = Figure(figsize=(11.0, 5.6), layout="constrained")
     panels = figure.subplot_mosaic([["top", "altitude"], ["top", "u"], ["top", "v"]], width_ratios=[1.0, 1.1])
-    figures._arena(panels["top"], flight)
-    figures._tracks(panels["top"], flight, LOOK)
+    draw_arena(panels["top"], flight)
+    draw_tracks(panels["top"], flight, LOOK)
     panels["top"].set(aspect="equal", xlabel="x, east [m]", ylabel="y, north [m]", title="from above")
     panels["top"].autoscale()
     t = np.asarray(flight.episode.world.t)
     panels["altitude"].plot(t, ideal_altitude(flight), color=INK, linewidth=3.2, alpha=0.25)
     panels["altitude"].plot(t, flight.episode.world.uav.position.z, color=LOOK.light)
     panels["altitude"].set(xlim=(t[0], t[-1]), ylabel="z [m]", title="altitude, and where it would be ideal")
-    figures._circle(panels["u"], flight, LOOK, "horizontal")
-    figures._circle(panels["v"], flight, LOOK, "vertical")
+    draw_circle(panels["u"], flight, LOOK, "horizontal")
+    draw_circle(panels["v"], flight, LOOK, "vertical")
     panels["u"].set(ylabel="u [px]", title="circle of the UGVs in the image; dashed: as it should be")
     panels["v"].set(ylabel="v [px]", xlabel="time [s]")
     panels["v"].invert_yaxis()
