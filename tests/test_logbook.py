@@ -115,7 +115,12 @@ def test_other_manoeuvres_may_join(book):
 @pytest.mark.parametrize(
     ("orders", "pilot", "seed", "line"),
     [
-        (ORDERS, PILOT, 1, "20 rows by untraceable with seed 0, where 20 rows by untraceable with seed 1 belong"),
+        (
+            ORDERS,
+            PILOT,
+            1,
+            "20 rows by untraceable with seed 0, where 20 rows by untraceable with seed 1 belong",
+        ),
         (ORDERS, Untraceable("other"), 0, "where 20 rows by other with seed 0 belong"),
         ([Order(Climb(), 1, 30)], PILOT, 0, "climb-000.mcap: 20 rows by .*, where 30 rows by .* belong"),
     ],

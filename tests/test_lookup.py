@@ -11,7 +11,9 @@ from fledge.setups import HELD_OUT_FAMILIES
 
 def test_every_shipped_pilot_and_manoeuvre_is_found_by_its_own_name():
     assert lookup.shipped("fledge.pilots", AbstractPilot) == {one.name: type(one) for one in PILOTS}
-    assert lookup.shipped("fledge.manoeuvres", AbstractManoeuvre) == {one.name: type(one) for one in MANOEUVRES}
+    assert lookup.shipped("fledge.manoeuvres", AbstractManoeuvre) == {
+        one.name: type(one) for one in MANOEUVRES
+    }
     assert [lookup.pilot(one.name) for one in PILOTS] == list(PILOTS)
     assert [lookup.manoeuvre(one.name) for one in MANOEUVRES] == list(MANOEUVRES)
 
@@ -20,7 +22,9 @@ def test_every_shipped_pilot_and_manoeuvre_is_found_by_its_own_name():
 def test_nothing_else_is_found(name):
     with pytest.raises(UnknownName, match="valid are .*servo"):
         lookup.pilot(name)
-    with pytest.raises(UnknownName, match="valid are climb, combined, descend, fixed-altitude, package.module:Name"):
+    with pytest.raises(
+        UnknownName, match="valid are climb, combined, descend, fixed-altitude, package.module:Name"
+    ):
         lookup.manoeuvre(name)
 
 

@@ -29,7 +29,9 @@ def test_a_whole_number_is_taken_within_its_bounds_only(name, number):
     if least <= number <= most:
         assert parsed(kind, str(number)) == number
     else:
-        with pytest.raises(OutOfRange, match=f"^{name} is {number}: valid is a whole number from {least} to {most:,}$"):
+        with pytest.raises(
+            OutOfRange, match=f"^{name} is {number}: valid is a whole number from {least} to {most:,}$"
+        ):
             parsed(kind, str(number))
 
 

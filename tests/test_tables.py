@@ -31,7 +31,10 @@ def test_scores_are_in_the_units_of_their_heads():
 
 def test_a_table_of_scores_fits_a_terminal_where_names_are_short():
     table = tables.scores("flights", {"policy.onnx": ENTRY})
-    cells = [max(len(line) for text in column for line in text.split("\n")) for column in zip(*table.rows, strict=True)]
+    cells = [
+        max(len(line) for text in column for line in text.split("\n"))
+        for column in zip(*table.rows, strict=True)
+    ]
     heads = [max(map(len, head.split("\n"))) for head in table.columns]
     assert sum(max(pair) + 2 for pair in zip(cells, heads, strict=True)) <= 80
 
@@ -62,4 +65,12 @@ def test_every_pair_has_its_table():
 def test_a_flights_score_comes_with_units():
     scores = {"distance": 1.0, "distance_rmse": 2.0, "radius": 9.0, "radius_rmse": 3.0}
     table = tables.flight("climb", scores | {"in_view": 0.5, "smoothness": 0.25, "effort": 0.125})
-    assert [value for _, value in table.rows] == ["1.00 px", "2.00 px", "9.00 px²", "3.00 px", "50.00 %", "0.25", "0.125"]
+    assert [value for _, value in table.rows] == [
+        "1.00 px",
+        "2.00 px",
+        "9.00 px²",
+        "3.00 px",
+        "50.00 %",
+        "0.25",
+        "0.125",
+    ]

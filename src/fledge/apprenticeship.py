@@ -70,6 +70,7 @@ def learn(lesson: Lesson, path: Path, resume: bool = False) -> LossCurve:
     _make_room(path, checkpoint, resume)
     state = start = _resumed(lesson, checkpoint) if resume else None
     with console.progress() as bar:
+        bar.update("training", start.epoch if start else 0, lesson.recipe.epochs)
         for state in training.train(lesson.composite, lesson.recipe, lesson.keys, start):
             write_checkpoint(checkpoint, training.arrays(state), lesson.settings)
             bar.update("training", state.epoch, lesson.recipe.epochs)

@@ -152,18 +152,17 @@ def estimate_delay(
     """Rows by which actions lag what they answer, read off the demonstrations alone (D15).
 
     The delay whose linear model from state to action leaves the least, summed over sub-tasks in units of each one's
-    variance. Delays of 0 to `most` rows are tried.
+    variance. Delays of 0 to `most` rows are tried, as far as the shortest episode has more rows.
     """
     checked = [Demonstrations.of(data, task.name) for task, data in demonstrations.items()]
-    left = [sum(_unexplained(data, delay) for data in checked) for delay in range(most + 1)]
+    shortest = min(len(states) for data in checked for states, _ in data.episodes)
+    left = [sum(_unexplained(data, k) for data in checked) for k in range(min(most + 1, shortest))]
     return int(np.argmin(left))
 
 
 def _unexplained(data: Demonstrations, delay: int) -> float:
     """Share of the actions' variance that a linear model of the state `delay` rows ago does not explain."""
-    pairs = [(s[: len(s) - delay], a[delay:]) for s, a in data.episodes if len(s) > delay]
-    if not pairs:
-        return np.inf
+    pairs = [(s[: len(s) - delay], a[delay:]) for s, a in data.episodes]
     states, actions = (np.concatenate(part) for part in zip(*pairs, strict=True))
     states = np.column_stack([states - states.mean(axis=0), np.ones(len(states))])
     coefficients = np.linalg.lstsq(states, actions, rcond=None)[0]
