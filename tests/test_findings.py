@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fledge.evaluation import Score
-from fledge.findings import METRICS, PRIMARY, compare_pairs, summarise_scores
+from fledge.findings import METRICS, PRIMARY, compare_pairs, summarise_scores, to_json
 from fledge.statistics import holm
 
 
@@ -41,3 +41,14 @@ def test_what_did_not_fly_is_not_compared():
 def test_the_primary_family_is_the_one_fixed_in_advance():
     assert PRIMARY == (("primitive", "dnn-combined"), ("primitive", "human-combined"))
     assert METRICS == ("distance_rmse", "radius_rmse")
+
+
+def test_what_json_cannot_say_is_none():
+    (same,) = compare_pairs([("a", "b")], METRICS[:1], {"a": flat(1.0), "b": flat(2.0)}, seed=0)
+    assert not np.isfinite(same.effect_size)
+    assert to_json(same)["effect_size"] is None
+    json.dumps(to_json(same), allow_nan=False)
+
+
+def flat(value: float) -> Score:
+    return Score(*(np.full((1, 5), value) for _ in Score.names()))

@@ -8,6 +8,7 @@ import platform
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -89,7 +90,7 @@ def summarise(
         "operator": {"sentence": SYNTHETIC, "axes": operator, "bands": BANDS},
         "setups": {name: _setup_summary(result, study.rows) for name, result in results.items()},
         "comparisons": [
-            asdict(comparison) | {"family": family}
+            to_json(comparison) | {"family": family}
             for family, found in (("primary", primary), ("exploratory", exploratory))
             for comparison in found
         ],
@@ -98,6 +99,14 @@ def summarise(
         ],
         "paper": {"table": PAPER_TABLE, "welch": _welch()},
         "development": development,
+    }
+
+
+def to_json(found: statistics.Comparison | statistics.NonInferiority) -> dict[str, Any]:
+    """Its fields; None where a number is infinite, which JSON cannot say (all flights differed by the same)."""
+    return {
+        name: None if isinstance(value, float) and not isfinite(value) else value
+        for name, value in asdict(found).items()
     }
 
 
@@ -116,7 +125,7 @@ def compare_pairs(
 def _non_inferior(metric: str, scores: Mapping[str, Score], seed: int) -> dict[str, Any]:
     a, b = PRIMARY[1]
     found = statistics.non_inferior(getattr(scores[a], metric), getattr(scores[b], metric), MARGIN, seed)
-    return {"a": a, "b": b, "metric": metric} | asdict(found)
+    return {"a": a, "b": b, "metric": metric} | to_json(found)
 
 
 def _welch() -> list[dict[str, Any]]:

@@ -71,7 +71,7 @@ def _comparison(one: Mapping[str, Any]) -> tuple[str, ...]:
         f"{factor * one['difference']:+.2f}",
         f"{low:+.2f} to {high:+.2f}",
         f"{one['p_holm']:.4f}" if one["p_holm"] >= 1e-4 else "< 0.0001",
-        f"{one['effect_size']:+.2f}",
+        "-" if one["effect_size"] is None else f"{one['effect_size']:+.2f}",
     )
 
 

@@ -19,6 +19,9 @@ from typing import BinaryIO
 
 from fledge.errors import BadFile, FledgeError
 
+RANDOM = "[0-9a-f]" * 8
+"""What stands between name and `.partial`, as a pattern."""
+
 AnyPath = str | os.PathLike[str]
 
 
@@ -62,7 +65,9 @@ def write(path: AnyPath, data: bytes) -> None:
 
 def sweep(folder: AnyPath) -> list[Path]:
     """Remove what killed writers left in a folder, and say what that was."""
-    return [partial for partial in sorted(Path(folder).glob(".*.partial")) if _remove_if_dead(partial)]
+    return [
+        partial for partial in sorted(Path(folder).glob(f".*.{RANDOM}.partial")) if _remove_if_dead(partial)
+    ]
 
 
 @contextmanager
