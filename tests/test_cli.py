@@ -342,9 +342,11 @@ main()
 """The command line where no file may be larger than 20 kB; a flight is."""
 
 HANGING = """
-import os, time
+import os, signal, time
 from fledge.cli import main
 
+# Whoever started the tests in the background may have told them, and so us, to ignore Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 real, calls = os.fsync, []
 
 def fsync(descriptor):
