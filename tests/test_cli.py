@@ -329,7 +329,10 @@ def test_a_study_of_one_seed_is_the_same_study_twice(tmp_path, monkeypatch, caps
 # The plug is pulled
 
 PLAIN = """
+import signal
 from fledge.cli import main
+# Whoever runs the tests in the background may have had them, and so this, ignore Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 main()
 """
 
@@ -342,11 +345,9 @@ main()
 """The command line where no file may be larger than 20 kB; a flight is."""
 
 HANGING = """
-import os, signal, time
+import os, time
 from fledge.cli import main
 
-# Whoever started the tests in the background may have told them, and so us, to ignore Ctrl-C.
-signal.signal(signal.SIGINT, signal.default_int_handler)
 real, calls = os.fsync, []
 
 def fsync(descriptor):
