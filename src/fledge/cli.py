@@ -7,6 +7,7 @@ line on standard error says what; 130, interrupted. A traceback is a bug of ours
 import os
 import sys
 from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Annotated, Any, Union
 
 import tyro
@@ -34,6 +35,9 @@ COMMANDS: dict[str, Callable[..., None]] = {
 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run a command; leave with one line if it fails."""
+    # What JAX compiles, some seconds a program, is kept for the next run; JAX reads this when it is imported.
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "fledge"
+    os.environ.setdefault("JAX_COMPILATION_CACHE_DIR", str(cache))
     try:
         run(sys.argv[1:] if arguments is None else arguments)
     except BrokenPipeError:  # whoever read along has seen enough

@@ -94,12 +94,11 @@ class FormationControl:
                 # The first UGV has the right of way: the others make room for it, it does not for them.
                 keep = self.clearance if j < i else 0.5 * self.clearance
                 things.append((gap, gap, radius + self.fleet[j].radius, keep))
-        for gap in (
-            (me.x - b.x_min, zero),
-            (me.x - b.x_max, zero),
-            (zero, me.y - b.y_min),
-            (zero, me.y - b.y_max),
-        ):
+        # Of two opposite walls only the nearer one can be in the way.
+        east, north = me.x + me.x > b.x_min + b.x_max, me.y + me.y > b.y_min + b.y_max
+        across = me.x - where(east, b.x_max, b.x_min)
+        along = me.y - where(north, b.y_max, b.y_min)
+        for gap in ((across, zero), (zero, along)):
             things.append((gap, (me.x, me.y), radius, self.clearance))
         for obstacle in arena.obstacles:
             box = obstacle.footprint
