@@ -7,6 +7,7 @@ inside; whatever comes from outside is checked once, where it enters.
 """
 
 from dataclasses import dataclass, replace
+from enum import IntEnum
 from math import inf
 from typing import TYPE_CHECKING
 
@@ -155,6 +156,39 @@ class Commands:
     ugvs: tuple[VelocityCommand, ...]
 
 
+class Reason(IntEnum):
+    """Why a vehicle was not sent what was proposed; the number stands in `Verdict.reason`."""
+
+    NONE = 0
+    # Layer one, the nets: what the vehicle would have come too near to.
+    WALL = 1
+    OBSTACLE = 2
+    VEHICLE = 3
+    FLOOR = 4
+    CEILING = 5
+    NOT_FINITE = 6
+    """A command that is no number."""
+    # Layer two, the watchdog: what was wrong with the data.
+    STALE = 10
+    FUTURE = 11
+    BACKWARD = 12
+    DUPLICATE = 13
+    BAD_POSE = 14
+    """A pose that is no number, or out of this world."""
+    JUMP = 15
+    SWAP = 16
+    """Two vehicles' poses changed places."""
+    POLICY_LATE = 17
+    LINK_LOST = 18
+    BATTERY_LOW = 19
+    # Layer two, the supervisor: who took the command away.
+    NOT_READY = 30
+    TAKE_OVER = 31
+    STOPPED = 32
+    LANDING = 33
+    TERMINATED = 34
+
+
 @dataclass(frozen=True, slots=True)
 class Verdict:
     """What a safety net let through to one vehicle, and why."""
@@ -164,7 +198,7 @@ class Verdict:
     intervened: Scalar
     """Whether it differs from the command proposed."""
     reason: Scalar
-    """Code of the reason; 0 when nothing was changed."""
+    """A `Reason`, as a number; 0 when nothing was changed."""
     clearance: Scalar
     """Free distance the net saw [m]; infinite if it does not look."""
 
