@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 from fledge import scalars
 
-ONE = (scalars.sqrt, scalars.sin, scalars.cos, scalars.asin, scalars.exp, scalars.round_, scalars.wrap_angle)
+ONE = (scalars.sqrt, scalars.sin, scalars.cos, scalars.asin, scalars.exp, scalars.round_)
 TWO = (scalars.minimum, scalars.maximum, scalars.atan2)
 THREE = (scalars.clip,)
 ARITY = {f: n for n, group in enumerate((ONE, TWO, THREE), start=1) for f in group}
@@ -84,14 +84,6 @@ def test_clip_lands_between_its_bounds_and_on_the_upper_one_where_they_cross(x, 
         assert scalars.clip(x, low, high) == x
     for crossed in on_every_backend(scalars.clip, (x,), (high,), (low,)):
         assert crossed == low
-
-
-@given(ordinary)
-def test_a_wrapped_angle_points_the_same_way(angle):
-    wrapped = scalars.wrap_angle(angle)
-    assert -math.pi <= wrapped <= math.pi
-    assert math.cos(wrapped) == pytest.approx(math.cos(angle), abs=1e-9)
-    assert math.sin(wrapped) == pytest.approx(math.sin(angle), abs=1e-9)
 
 
 def test_sqrt_of_a_negative_number_is_nan():

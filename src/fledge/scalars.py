@@ -135,8 +135,3 @@ def unstack(array: Any) -> list[Scalar]:
         if type(array) is np.ndarray and array.ndim == 1
         else [array[..., i] for i in range(array.shape[-1])]
     )
-
-
-def wrap_angle(angle: Scalar) -> Scalar:
-    """The same angle in (-pi, pi] [rad]."""
-    return atan2(sin(angle), cos(angle))
