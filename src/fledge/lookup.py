@@ -7,6 +7,7 @@ evaluation may be a policy's file, too.
 """
 
 import pkgutil
+from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
@@ -28,11 +29,9 @@ def pilot(name: str) -> "AbstractPilot":
     Raises:
         FledgeError: there is none, or it is none.
     """
-    if ":" in name:
-        return guests.pilot(name)
     from fledge.pilots import AbstractPilot
 
-    return find("fledge.pilots", AbstractPilot, name)
+    return find("fledge.pilots", AbstractPilot, name, guests.pilot)
 
 
 def manoeuvre(name: str) -> "AbstractManoeuvre":
@@ -41,11 +40,9 @@ def manoeuvre(name: str) -> "AbstractManoeuvre":
     Raises:
         FledgeError: there is none, or it is none.
     """
-    if ":" in name:
-        return guests.manoeuvre(name)
     from fledge.manoeuvres import AbstractManoeuvre
 
-    return find("fledge.manoeuvres", AbstractManoeuvre, name)
+    return find("fledge.manoeuvres", AbstractManoeuvre, name, guests.manoeuvre)
 
 
 def test(name: str) -> "AbstractManoeuvre":
@@ -89,12 +86,14 @@ def contestant(name: str) -> "AbstractPilot":
         raise FledgeError(f"{error}, or a policy's file") from error
 
 
-def find(folder: str, base: type, name: str) -> Any:
-    """An instance of what is called `name` in a package of fledge's, "fledge.pilots" say.
+def find(folder: str, base: type, name: str, guest: Callable[[str], Any]) -> Any:
+    """What is called `name` in a package of fledge's, "fledge.pilots" say; `guest` fetches those from outside.
 
     Raises:
         UnknownName: there is none; lists those that exist.
     """
+    if ":" in name:
+        return guest(name)
     known = shipped(folder, base)
     if name not in known:
         kind = base.__name__.removeprefix("Abstract").lower()
