@@ -179,6 +179,19 @@ def test_the_gap_leads_out_of_the_box_and_is_as_long_as_the_distance(box, x, y):
         assert box.distance(x - dx, y - dy) == pytest.approx(0.0, abs=1e-12)
 
 
+@given(boxes(), boxes())
+def test_boxes_overlap_as_long_as_the_middle_of_what_they_share_lies_inside_both(a, b):
+    x = (max(a.x_min, b.x_min) + min(a.x_max, b.x_max)) / 2
+    y = (max(a.y_min, b.y_min) + min(a.y_max, b.y_max)) / 2
+    assert a.overlaps(b) == b.overlaps(a) == (a.distance(x, y) < 0 and b.distance(x, y) < 0)
+
+
+def test_boxes_that_touch_do_not_overlap():
+    box = Box(0.0, 1.0, 0.0, 1.0)
+    assert not box.overlaps(Box(1.0, 2.0, 0.0, 1.0)) and not box.overlaps(Box(0.0, 1.0, -1.0, 0.0))
+    assert box.overlaps(box)
+
+
 def test_nan_is_nowhere():
     box = Box(0.0, 1.0, 0.0, 1.0)
     assert math.isnan(box.distance(math.nan, 0.5))

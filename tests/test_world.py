@@ -24,12 +24,16 @@ def test_the_square_arena_is_the_papers_with_its_origin_in_the_middle():
 
 
 def test_padding_keeps_what_stands_there_and_adds_what_nobody_can_reach():
-    padded = check_arena(FURNISHED.padded(3))
+    padded = FURNISHED.padded(3)
     assert padded.obstacles[:1] == FURNISHED.obstacles
     assert len(padded.obstacles) == 3
     for added in padded.obstacles[1:]:
         assert added.footprint.distance(0.0, 0.0) > 1000.0
     assert FURNISHED.padded(1) == FURNISHED
+
+
+def furnished(box: Box, height: float = 0.5, times: int = 1) -> Arena:
+    return replace(Arena.square(), obstacles=(Obstacle(box, height),) * times)
 
 
 @pytest.mark.parametrize(
@@ -45,19 +49,36 @@ def test_padding_keeps_what_stands_there_and_adds_what_nobody_can_reach():
     ),
 )
 def test_a_rectangle_must_be_upright_and_finite(box):
-    with pytest.raises(FledgeError, match="the arena spans .* m"):
+    wrong = r"(x|y)_min \S+ m and \1_max \S+ m: valid is a finite \1_min below a finite \1_max"
+    with pytest.raises(FledgeError, match=f"bounds has {wrong}"):
         check_arena(Arena(box, 6.0))
-    with pytest.raises(FledgeError, match="obstacle 0 spans .* m"):
-        check_arena(replace(Arena.square(), obstacles=(Obstacle(box, 0.5),)))
+    with pytest.raises(FledgeError, match=f"obstacle 1 has {wrong}"):
+        check_arena(furnished(box))
 
 
 @pytest.mark.parametrize("height", (0.0, -1.0, math.nan, math.inf))
 def test_a_height_must_be_positive_and_finite(height):
-    with pytest.raises(FledgeError, match=r"height of the arena \[m\]"):
+    with pytest.raises(FledgeError, match=rf"ceiling \[m\] is {height}: valid is a positive number"):
         check_arena(replace(Arena.square(), ceiling=height))
-    with pytest.raises(FledgeError, match=r"height of obstacle 1 \[m\]"):
-        box = Box(0.0, 1.0, 0.0, 1.0)
-        check_arena(replace(Arena.square(), obstacles=(Obstacle(box, 0.5), Obstacle(box, height))))
+    with pytest.raises(FledgeError, match=rf"height of obstacle 1 \[m\] is {height}: valid is a positive"):
+        check_arena(furnished(Box(0.0, 1.0, 0.0, 1.0), height))
+
+
+@given(st.floats(-12.0, 12.0), st.floats(-12.0, 12.0))
+def test_an_obstacle_may_stand_through_a_wall_but_not_behind_it(x, y):
+    arena = furnished(Box(x - 1.0, x + 1.0, y - 1.0, y + 1.0))
+    if abs(x) < 6.0 and abs(y) < 6.0:
+        assert check_arena(arena) is arena
+    else:
+        with pytest.raises(FledgeError, match=r"obstacle 1 stands outside, at x .*, x -5.0\.\.5.0 m, y"):
+            check_arena(arena)
+
+
+def test_there_may_be_many_obstacles_but_not_any_number():
+    box = Box(0.0, 1.0, 0.0, 1.0)
+    assert check_arena(furnished(box, times=64))
+    with pytest.raises(FledgeError, match="number of obstacles is 65: valid is at most 64"):
+        check_arena(furnished(box, times=65))
 
 
 @given(commands, commands, number)

@@ -133,3 +133,12 @@ class Box:
         dx, dy = self.gap(x, y)
         inside = minimum(minimum(x - self.x_min, self.x_max - x), minimum(y - self.y_min, self.y_max - y))
         return sqrt(dx * dx + dy * dy) - maximum(inside, 0.0)
+
+    def overlaps(self, other: "Box") -> Scalar:
+        """Whether the two have some area in common; to touch is not enough."""
+        return (
+            (self.x_min < other.x_max)
+            & (other.x_min < self.x_max)
+            & (self.y_min < other.y_max)
+            & (other.y_min < self.y_max)
+        )

@@ -9,14 +9,13 @@ inside; whatever comes from outside is checked once, where it enters.
 from dataclasses import dataclass, replace
 from enum import IntEnum
 from math import inf
-from typing import TYPE_CHECKING
 
 from fledge.errors import FledgeError, OutOfRange
 from fledge.geometry import Box, Quat, Vec3
 from fledge.scalars import Scalar, where
 
-if TYPE_CHECKING:
-    from collections.abc import Iterable
+MOST_OBSTACLES = 64
+"""Chosen: everything that steers or guards looks at every obstacle, up to a hundred times a second."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,24 +50,42 @@ class Arena:
 
 
 def check_arena(arena: Arena) -> Arena:
-    """The arena itself, if its rectangles are upright and finite.
+    """The arena itself, if its rectangles are upright and finite and all obstacles stand in it, if only in part.
 
     Raises:
-        FledgeError: a rectangle is inverted, empty or endless, or a height is not positive.
+        FledgeError: names what is wrong; obstacles count from 1, as in a flight's scene.
     """
-    boxes: Iterable[tuple[str, Box, float]] = [
-        ("the arena", arena.bounds, arena.ceiling),
-        *((f"obstacle {i}", o.footprint, o.height) for i, o in enumerate(arena.obstacles)),
-    ]
-    for name, box, height in boxes:
-        if not (-inf < box.x_min < box.x_max < inf and -inf < box.y_min < box.y_max < inf):
+    if len(arena.obstacles) > MOST_OBSTACLES:
+        raise OutOfRange("number of obstacles", len(arena.obstacles), f"at most {MOST_OBSTACLES}")
+    _check_box("bounds", arena.bounds)
+    _check_height("ceiling", arena.ceiling)
+    for i, obstacle in enumerate(arena.obstacles, start=1):
+        _check_box(f"obstacle {i}", obstacle.footprint)
+        _check_height(f"height of obstacle {i}", obstacle.height)
+        if not obstacle.footprint.overlaps(arena.bounds):
             raise FledgeError(
-                f"{name} spans x {box.x_min}..{box.x_max} m, y {box.y_min}..{box.y_max} m: "
-                "each lower edge must lie below its upper edge, all of them finite"
+                f"obstacle {i} stands outside, at {_spans(obstacle.footprint)}: "
+                f"valid is at least in part within the bounds, {_spans(arena.bounds)}"
             )
-        if not 0.0 < height < inf:
-            raise OutOfRange(f"height of {name} [m]", height, "a positive number")
     return arena
+
+
+def _check_box(name: str, box: Box) -> None:
+    for axis, low, high in (("x", box.x_min, box.x_max), ("y", box.y_min, box.y_max)):
+        if not -inf < low < high < inf:
+            raise FledgeError(
+                f"{name} has {axis}_min {low} m and {axis}_max {high} m: "
+                f"valid is a finite {axis}_min below a finite {axis}_max"
+            )
+
+
+def _check_height(name: str, height: float) -> None:
+    if not 0.0 < height < inf:
+        raise OutOfRange(f"{name} [m]", height, "a positive number")
+
+
+def _spans(box: Box) -> str:
+    return f"x {box.x_min}..{box.x_max} m, y {box.y_min}..{box.y_max} m"
 
 
 @dataclass(frozen=True, slots=True)
