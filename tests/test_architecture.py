@@ -36,6 +36,7 @@ LAYERS = (
     ("episode",),
     ("observation",),
     ("camera", "dynamics"),
+    ("room",),
     ("world",),
     ("geometry",),
     ("scalars",),
