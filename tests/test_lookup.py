@@ -3,10 +3,12 @@
 import pytest
 
 from fledge import lookup
-from fledge.errors import FledgeError, UnknownName
+from fledge.errors import BadFile, FledgeError, UnknownName
+from fledge.geometry import Box
 from fledge.manoeuvres import MANOEUVRES, AbstractManoeuvre, Combined
 from fledge.pilots import PILOTS, AbstractPilot, Servo
 from fledge.setups import HELD_OUT_FAMILIES
+from fledge.world import Arena
 
 
 def test_every_shipped_pilot_and_manoeuvre_is_found_by_its_own_name():
@@ -58,3 +60,26 @@ def test_a_contestant_is_a_pilot_or_a_file(tmp_path, monkeypatch):
     }.items():
         with pytest.raises(FledgeError, match=line):
             lookup.contestant(name)
+
+
+def test_the_papers_two_arenas_come_along():
+    assert lookup.ARENAS.keys() == {"square", "lab"}
+    assert lookup.arena("square") == Arena.square()
+    assert lookup.arena("lab").bounds == Box(-3.3, 3.3, -2.5, 2.5)
+    assert lookup.arena("lab").obstacles == ()
+
+
+def test_any_other_arena_is_a_file(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("lab", "hall", "hall.toml"):
+        (tmp_path / name).write_bytes(lookup.ARENAS["square"].read_bytes())
+    assert lookup.arena("hall") == lookup.arena("hall.toml") == lookup.arena("./lab") == Arena.square()
+    assert lookup.arena("lab") != Arena.square()
+    with pytest.raises(BadFile, match="nowhere.toml: cannot be read: No such file"):
+        lookup.arena("nowhere.toml")
+
+
+@pytest.mark.parametrize("name", ["", "Lab", "labs", ".", "lab.yaml"])
+def test_an_unknown_arena_is_told_which_there_are(name):
+    with pytest.raises(UnknownName, match="unknown arena '.*': valid are FILE.toml, lab, square$"):
+        lookup.arena(name)

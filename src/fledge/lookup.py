@@ -3,7 +3,7 @@
 A pilot or a manoeuvre is named by its module (`servo` is `fledge/pilots/servo.py`, `fixed-altitude` is
 `fledge/manoeuvres/fixed_altitude.py`), or as `package.module:Name` from anywhere Python can import, the current
 folder included (see `guests`). There is no registry: whatever has the right base class will do. Who flies in an
-evaluation may be a policy's file, too.
+evaluation may be a policy's file, too. An arena is named by its file, and those in `fledge/arenas/` by its stem.
 """
 
 import pkgutil
@@ -21,6 +21,10 @@ if TYPE_CHECKING:
     from fledge.pilots import AbstractPilot
     from fledge.policy import Policy
     from fledge.setups import Setup
+    from fledge.world import Arena
+
+ARENAS = {path.stem: path for path in Path(__file__).with_name("arenas").glob("*.toml")}
+"""The arenas that fledge brings along."""
 
 
 def pilot(name: str) -> "AbstractPilot":
@@ -84,6 +88,21 @@ def contestant(name: str) -> "AbstractPilot":
         return pilot(name)
     except UnknownName as error:
         raise FledgeError(f"{error}, or a policy's file") from error
+
+
+def arena(name: str) -> "Arena":
+    """The arena of that name, or else the one in a file.
+
+    Raises:
+        UnknownName: there is neither.
+        BadFile: the file holds no arena.
+    """
+    from fledge.storage import read_arena
+
+    path = ARENAS.get(name, Path(name))
+    if path.suffix != ".toml" and not path.is_file():
+        raise UnknownName("arena", name, [*ARENAS, "FILE.toml"])
+    return read_arena(path)
 
 
 def find(folder: str, base: type, name: str, guest: Callable[[str], Any]) -> Any:

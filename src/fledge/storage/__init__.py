@@ -1,5 +1,6 @@
-"""Storage: flights as MCAP, policies as ONNX, results as JSON, checkpoints as NPZ; whole or not there."""
+"""Storage: flights as MCAP, policies as ONNX, results as JSON, checkpoints as NPZ, whole or not there; arenas."""
 
+from fledge.storage.arenas import read_arena
 from fledge.storage.atomic import replacing, sweep, write
 from fledge.storage.checkpoints import read_checkpoint, write_checkpoint
 from fledge.storage.flights import FlightLog, list_flights, read_flight, write_flight
@@ -9,6 +10,7 @@ from fledge.storage.results import read_json, write_json
 __all__ = [
     "FlightLog",
     "list_flights",
+    "read_arena",
     "read_checkpoint",
     "read_flight",
     "read_json",

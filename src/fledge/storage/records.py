@@ -34,12 +34,12 @@ def from_tree(kind: Any, tree: Any, leaf: Callable[[str, Any, Any], Any], path: 
     if isinstance(kind, type) and is_dataclass(kind):
         hints = _hints(kind)
         if not isinstance(tree, dict) or tree.keys() != hints.keys():
-            has = ", ".join(map(str, tree)) if isinstance(tree, dict) else _shown(tree)
+            has = ", ".join(map(str, tree)) if isinstance(tree, dict) else shown(tree)
             raise FledgeError(f"{path[:-1] or 'the record'} has {has}: valid are {', '.join(hints)}")
         return kind(**{name: from_tree(hints[name], tree[name], leaf, f"{path}{name}.") for name in hints})
     if get_origin(kind) is tuple:
         if not isinstance(tree, list):
-            raise FledgeError(f"{path[:-1]} is {_shown(tree)}: valid is a list")
+            raise FledgeError(f"{path[:-1]} is {shown(tree)}: valid is a list")
         item = get_args(kind)[0]
         return tuple(from_tree(item, part, leaf, f"{path}{i}.") for i, part in enumerate(tree))
     return leaf(path[:-1], kind, tree)
@@ -76,10 +76,11 @@ def _parsed(path: str, kind: Any, value: Any) -> Any:
         return float(value)
     valid = (int, float) if number else kind
     if not isinstance(value, valid) or (isinstance(value, bool) and kind in (int, float)):
-        raise FledgeError(f"{path} is {_shown(value)}: valid is {'a number' if number else kind.__name__}")
+        raise FledgeError(f"{path} is {shown(value)}: valid is {'a number' if number else kind.__name__}")
     return float(value) if kind is float else value
 
 
-def _shown(value: Any) -> str:
+def shown(value: Any) -> str:
+    """A value in an error: its beginning will do."""
     text = repr(value)
     return text if len(text) <= 40 else f"{text[:37]}..."
