@@ -198,12 +198,18 @@ class Reason(IntEnum):
     POLICY_LATE = 17
     LINK_LOST = 18
     BATTERY_LOW = 19
+    INCONSISTENT = 20
+    """Positions that contradict the velocities measured with them."""
+    CLOCK = 21
+    """A clock that stands still, runs backwards or is no number."""
     # Layer two, the supervisor: who took the command away.
     NOT_READY = 30
     TAKE_OVER = 31
     STOPPED = 32
     LANDING = 33
     TERMINATED = 34
+    RECOVERING = 35
+    """The command fades back to the policy's."""
 
 
 @dataclass(frozen=True, slots=True)
