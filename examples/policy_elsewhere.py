@@ -20,9 +20,10 @@ def main(path="policy.onnx"):
     centred = {"centre_u": 320.0, "centre_v": 180.0, "ugv_u": 320.0, "ugv_v": 180.0}
     seen = centred | {"altitude": 2.8, "ideal_radius": 108.0, "radius": 140.0}
     state = np.array([[seen.get(name, 0.0) for name in contract["observation"]]], dtype=np.float32)
-    ((forward, left, up, turn),) = session.run(["action"], {"state": state})[0]
-    print(f"With the UGVs too large in the picture, it says: up {up:+.2f}.")
-    return up
+    (sticks,) = session.run(["action"], {"state": state})[0]
+    said = dict(zip(contract["actions"], sticks, strict=True))
+    print(f"With the UGVs too large in the picture, it says: up {said['up']:+.2f}.")
+    return said["up"]
 
 
 if __name__ == "__main__":

@@ -152,6 +152,7 @@ def test_with_four_outputs_it_is_a_pilot():
 OTHER = {
     "observation": OBSERVATION_NAMES[::-1],
     "units": ("m",) * 11,
+    "actions": ACTION_NAMES[:3],
     "rate": 10.0,
     "lens": REAL_BOTTOM_CAMERA,
     "ideal_radius": 100.0,

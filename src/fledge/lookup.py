@@ -128,7 +128,6 @@ def shipped(folder: str, base: type) -> dict[str, type]:
 
 
 def _policy(path: Path) -> "Policy":
-    from fledge.observation import ACTION_NAMES
     from fledge.policy import Contract
     from fledge.storage import read_policy
 
@@ -139,7 +138,4 @@ def _policy(path: Path) -> "Policy":
         policy.contract.check(Contract())
     except FledgeError as error:
         raise BadFile(path, str(error)) from error
-    shape = (policy.states, len(policy.biases[-1]))
-    if shape != (len(policy.contract.observation), len(ACTION_NAMES)):
-        raise BadFile(path, f"a policy from {shape[0]} numbers to {shape[1]} actions: valid is from 11 to 4")
     return replace(policy, contract=None)  # it names the data: left in, every policy would be compiled anew

@@ -15,6 +15,7 @@ import numpy as np
 from fledge.camera import Lens
 from fledge.errors import ContractMismatch, FledgeError
 from fledge.observation import (
+    ACTION_NAMES,
     IDEAL_RADIUS_PX,
     OBSERVATION_NAMES,
     OBSERVATION_UNITS,
@@ -36,6 +37,7 @@ class Contract:
 
     observation: tuple[str, ...] = OBSERVATION_NAMES
     units: tuple[str, ...] = OBSERVATION_UNITS
+    actions: tuple[str, ...] = ACTION_NAMES
     rate: float = ROW_RATE
     """Decisions per second [Hz]."""
     lens: Lens = Lens()

@@ -1,5 +1,6 @@
 """A policy comes back as it was and flies the same in onnxruntime; everything else is refused."""
 
+import json
 import warnings
 from dataclasses import replace
 
@@ -13,6 +14,7 @@ from fledge.camera import Lens
 from fledge.errors import BadFile, FledgeError
 from fledge.policy import Contract, Policy
 from fledge.storage import read_policy, write_policy
+from fledge.storage.records import to_json
 
 
 def make(
@@ -140,6 +142,22 @@ def test_policies_that_are_no_network_are_refused(tmp_path):
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_policy_keeps_to_its_contract(tmp_path):
+    """As many numbers in and out as the contract has names; without a contract, any."""
+    for wrong in [
+        replace(make(), contract=Contract(actions=("forward", "left"))),
+        replace(make(), contract=Contract(observation=("altitude",))),
+        make((9, 30, 3)),
+        make(states=12),
+    ]:
+        with pytest.raises(
+            FledgeError, match="a policy from 1[12] numbers to [34] actions: its contract names"
+        ):
+            write_policy(tmp_path / "a.onnx", wrong)
+        write_policy(tmp_path / "b.onnx", replace(wrong, contract=None))
+    assert [path.name for path in tmp_path.iterdir()] == ["b.onnx"]
+
+
 def test_a_policy_cut_anywhere_is_refused(tmp_path):
     write_policy(tmp_path / "a.onnx", make())
     data = (tmp_path / "a.onnx").read_bytes()
@@ -213,6 +231,8 @@ def test_altered_policies_are_refused(tmp_path):
         path, lambda m: set_property(m, "fledge.contract", '{"rate":1}')
     )
     assert "damaged" in altered(path, lambda m: set_property(m, "fledge.contract", "{"))
+    two = json.dumps(to_json(Contract(actions=("up", "turn"))))
+    assert "its contract names 11 and 2" in altered(path, lambda m: set_property(m, "fledge.contract", two))
     unaltered = "its graph or metadata are not as fledge stored them"
     assert unaltered in altered(path, lambda m: set_property(m, "fledge.sha256", "0"))
     assert unaltered in altered(path, lambda m: m.metadata_props.pop(1))

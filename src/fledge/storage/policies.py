@@ -42,9 +42,10 @@ def write_policy(path: AnyPath, policy: Policy) -> None:
 
     Raises:
         BadFile: the file cannot be written.
-        FledgeError: its arrays do not fit each other, or it is a whole team of policies.
+        FledgeError: its arrays do not fit each other or its contract, or it is a whole team of policies.
     """
     _check_shapes(policy)
+    _check_contract(policy)
     model = helper.make_model(
         _graph(policy),
         producer_name="fledge",
@@ -70,6 +71,7 @@ def read_policy(path: AnyPath) -> Policy:
         known = None if contract is None else from_json(Contract, json.loads(contract), "contract")
         policy = _policy(model.graph, known)
         _check_shapes(policy)
+        _check_contract(policy)
         if metadata != _metadata(policy, contract) or _bytes(_graph(policy)) != _bytes(model.graph):
             raise FledgeError("damaged or altered: its graph or metadata are not as fledge stored them")
         return policy
@@ -160,4 +162,16 @@ def _check_shapes(policy: Policy) -> None:
             f"a policy that reads entries {policy.inputs} of {policy.states}, with weights {shapes}, "
             f"biases {biases}, mean {np.shape(policy.mean)} and scale {np.shape(policy.scale)}: "
             "these do not make one network"
+        )
+
+
+def _check_contract(policy: Policy) -> None:
+    """Refuse a policy that has other numbers of entries and actions than its contract has names."""
+    if policy.contract is None:
+        return
+    has = (policy.states, len(policy.biases[-1]))
+    names = (len(policy.contract.observation), len(policy.contract.actions))
+    if has != names:
+        raise FledgeError(
+            f"a policy from {has[0]} numbers to {has[1]} actions: its contract names {names[0]} and {names[1]}"
         )
