@@ -160,6 +160,13 @@ def test_a_flight_is_a_function_of_its_seed(flights):
         assert not np.array_equal(said(one), said(other))
 
 
+def test_what_is_done_is_left_out_and_changes_nothing(flights):
+    """To the last bit: somebody who was interrupted ends with the same flights as somebody who was not."""
+    done = [("climb", 0), ("combined", 1), ("combined", 0)]
+    left = [flight for flight in flights if (flight.manoeuvre, flight.case) not in done]
+    assert_equal(collect(ORDERS, HumanModel(), seed=0, done=done), left)
+
+
 def test_no_two_flights_are_alike(flights):
     starts = {
         (float(f.episode.world.uav.position.x[0]), float(f.episode.observation.ugv_u[0])) for f in flights

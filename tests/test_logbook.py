@@ -4,12 +4,13 @@ from dataclasses import dataclass
 
 import pytest
 
-from fledge import logbook
+from fledge import demonstrations, logbook
 from fledge.demonstrations import PAPER_ORDERS, Order
 from fledge.errors import BadFile, FledgeError, OutOfRange
 from fledge.manoeuvres import MANOEUVRES, Climb, Combined, Descend, FixedAltitude
 from fledge.observation import Action
 from fledge.pilots import AbstractPilot
+from fledge.simulation import fly_plain
 from fledge.storage import read_flight
 
 
@@ -97,10 +98,15 @@ def test_what_stands_there_is_read_and_not_touched(book):
 
 
 @pytest.mark.parametrize("lost", NAMES)
-def test_what_is_missing_is_flown_as_it_was(book, full, lost):
+def test_what_is_missing_is_flown_as_it_was_and_nothing_else_is(book, full, lost, monkeypatch):
+    flown = []
+    monkeypatch.setattr(
+        demonstrations, "fly_plain", lambda case, *scene: flown.append(case) or fly_plain(case, *scene)
+    )
     (book / lost).unlink()
     before = stats(book)
     logbook.fill(book, ORDERS, PILOT, 0)
+    assert len(flown) == 1
     assert before.items() <= stats(book).items()
     assert all((book / name).read_bytes() == (full / name).read_bytes() for name in NAMES)
 

@@ -58,16 +58,20 @@ def fill(folder: Path, wanted: Sequence[Order], pilot: AbstractPilot, seed: int)
         for number, rows in enumerate(order.lengths())
     }
     flights = {path.name: _checked(path, pilot, seed, lengths) for path in list_flights(folder)}
-    if lengths.keys() <= flights.keys():
-        return [flights[name] for name in lengths]
-    with console.progress() as bar:
-        bar.update("demonstrations", 0, len(lengths))
-        for done, flight in enumerate(collect(wanted, pilot, seed)):
-            name = _name(flight.manoeuvre, flight.case)
-            if name not in flights:
+    done = [
+        (order.manoeuvre.name, number)
+        for order in wanted
+        for number in range(order.episodes)
+        if _name(order.manoeuvre.name, number) in flights
+    ]
+    if len(done) < len(lengths):
+        with console.progress() as bar:
+            bar.update("demonstrations", len(done), len(lengths))
+            for number, flight in enumerate(collect(wanted, pilot, seed, done=done), start=len(done) + 1):
+                name = _name(flight.manoeuvre, flight.case)
                 write_flight(folder / name, flight)
                 flights[name] = flight
-            bar.update("demonstrations", done + 1, len(lengths))
+                bar.update("demonstrations", number, len(lengths))
     return [flights[name] for name in lengths]
 
 
