@@ -26,7 +26,7 @@ LAYERS = (
     ("experiments",),
     ("findings",),
     ("setups",),
-    ("evaluation", "statistics", "training", "crossover"),
+    ("evaluation", "statistics", "training", "crossover", "metrics"),
     ("fusion", "policy"),
     ("demonstrations",),
     ("simulation",),

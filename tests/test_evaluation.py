@@ -12,6 +12,7 @@ from fledge.episode import Episode
 from fledge.evaluation import Score, evaluate, score
 from fledge.geometry import Quat, Vec3
 from fledge.manoeuvres import Combined
+from fledge.metrics import METRICS
 from fledge.observation import IDEAL_RADIUS_PX, ROW_RATE, Action, Axes, StickScale
 from fledge.pilots import AbstractPilot, Servo
 from fledge.policy import HIDDEN, Policy
@@ -100,6 +101,8 @@ def test_a_perfect_flight_scores_nothing():
     still = constructed([0.0] * 5, [0.6] * 5, [F * 0.6 / IDEAL_RADIUS_PX] * 5, *([[0.0] * 5] * 3))
     got = score(still, RIG)
     np.testing.assert_allclose(table(got), [0, 0, 0, 0, 1, 0, 0], atol=1e-4)
+    for metric, perfect, flown in zip(METRICS.values(), table(got), table(score(FLOWN, RIG)), strict=True):
+        assert perfect < flown if metric.lower_is_better else perfect > flown
 
 
 @pytest.mark.parametrize("stick", [-1.0, 0.3, 1.0])

@@ -17,6 +17,7 @@ from fledge.camera import Lens, look
 from fledge.episode import Episode, Flight
 from fledge.figures import LOOKS, PARTS, STRANGERS
 from fledge.geometry import Box, Quat, Vec3
+from fledge.metrics import ERRORS, METRICS
 from fledge.observation import Action
 from fledge.world import Arena, Obstacle, UavState, UgvState, WorldState
 
@@ -71,7 +72,7 @@ def results() -> dict[str, Any]:
         }
         for family in ("primary", "exploratory")
         for b in ("human-combined", "own")
-        for metric in figures.METRICS
+        for metric in ("distance_rmse", "radius_rmse", "in_view")
     ]
     return {"setups": setups, "comparisons": comparisons}
 
@@ -231,6 +232,13 @@ def test_the_frame_of_the_top_view_holds_all_tracks_and_no_padding():
 def test_the_sticks_are_those_of_the_middle():
     assert figures._middle(still_flight("primitive")) == slice(0, ROWS)
     assert figures._middle(cast(Flight, SimpleNamespace(rows=1200))) == slice(400, 800)
+
+
+def test_the_arrow_points_where_the_first_is_better(plots):
+    for panel, metric in zip(plots[-1].figure.axes, (*ERRORS, "in_view"), strict=True):
+        lower = METRICS[metric].lower_is_better
+        assert panel.get_title(loc="left").startswith("\N{LEFTWARDS ARROW}") == lower
+        assert panel.get_title(loc="left").endswith("\N{RIGHTWARDS ARROW}") != lower
 
 
 # Bytes

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from fledge.evaluation import Score
-from fledge.findings import METRICS, PRIMARY, compare_pairs, summarise_scores, to_json
+from fledge.findings import PRIMARY, compare_pairs, summarise_scores, to_json
+from fledge.metrics import ERRORS, METRICS
 from fledge.statistics import holm
 
 
@@ -24,27 +25,39 @@ def test_a_summary_is_json_and_counts_flights():
 
 def test_p_values_are_adjusted_over_the_whole_family():
     flown = {"a": scores(10.0), "b": scores(11.0), "c": scores(10.2)}
-    found = compare_pairs([("a", "b"), ("a", "c")], METRICS, flown, seed=0)
+    found = compare_pairs([("a", "b"), ("a", "c")], ERRORS, flown, seed=0)
     assert [c.p_holm for c in found] == list(holm([c.p for c in found]))
     assert [(c.a, c.b, c.metric) for c in found] == [
-        ("a", "b", METRICS[0]),
-        ("a", "b", METRICS[1]),
-        ("a", "c", METRICS[0]),
-        ("a", "c", METRICS[1]),
+        ("a", "b", ERRORS[0]),
+        ("a", "b", ERRORS[1]),
+        ("a", "c", ERRORS[0]),
+        ("a", "c", ERRORS[1]),
     ]
 
 
+@pytest.mark.parametrize("name", METRICS)
+def test_who_is_better_is_said_whichever_way_the_metric_goes(name):
+    lower, higher = scores(10.0), scores(20.0)
+    better, worse = (lower, higher) if METRICS[name].lower_is_better else (higher, lower)
+    (found,) = compare_pairs([("better", "worse")], [name], {"better": better, "worse": worse}, seed=0)
+    assert found.probability_of_improvement == 1.0
+    assert found.effect_size < 0.0
+    difference = float(np.mean(getattr(better, name) - getattr(worse, name)))
+    assert found.difference == pytest.approx(difference)
+    assert found.interval[0] < difference < found.interval[1]
+
+
 def test_what_did_not_fly_is_not_compared():
-    assert compare_pairs(PRIMARY, METRICS, {"primitive": scores(10.0)}, seed=0) == ()
+    assert compare_pairs(PRIMARY, ERRORS, {"primitive": scores(10.0)}, seed=0) == ()
 
 
 def test_the_primary_family_is_the_one_fixed_in_advance():
     assert PRIMARY == (("primitive", "dnn-combined"), ("primitive", "human-combined"))
-    assert METRICS == ("distance_rmse", "radius_rmse")
+    assert ERRORS == ("distance_rmse", "radius_rmse")
 
 
 def test_what_json_cannot_say_is_none():
-    (same,) = compare_pairs([("a", "b")], METRICS[:1], {"a": flat(1.0), "b": flat(2.0)}, seed=0)
+    (same,) = compare_pairs([("a", "b")], ERRORS[:1], {"a": flat(1.0), "b": flat(2.0)}, seed=0)
     assert not np.isfinite(same.effect_size)
     assert to_json(same)["effect_size"] is None
     json.dumps(to_json(same), allow_nan=False)

@@ -341,7 +341,8 @@ def test_every_comparison_is_in_the_page(page, results):
 def test_the_other_tables_are_in_the_page(page):
     assert ["primitive / human-combined", "distance RMSE", "0.930", "0.987", "1.10", "yes"] in page.rows
     assert ["dnn-combined – primitive", "radius", "0.042", "0.252"] in page.rows
-    assert ["up", "1.35", "0.73", "0.26", "yes"] in page.rows
+    assert ["up", "1.35", "0.73", "25.7", "yes"] in page.rows
+    assert ["people", "1.00 – 2.50", "0.35 – 0.80", "10.0 – 30.0", ""] in page.rows
     assert ["mask, delay", "mask", "centre_u, centre_v, ugv_u", "0.25", "31.2", "8.8", "99.25"] in page.rows
 
 

@@ -3,7 +3,7 @@
 import pytest
 
 from fledge import tables
-from fledge.tables import METRICS
+from fledge.metrics import METRICS
 
 ENTRY = {
     "distance": {"mean": 12.345, "sd": 6.789},
@@ -26,7 +26,7 @@ def test_scores_are_in_the_units_of_their_heads():
         *("", "distance mean [px]", "radius mean [px²]", "distance RMSE [px]", "radius RMSE [px]"),
         *("in view [%]", "sticks [1/s]"),
     ]
-    assert table.rows == (("servo", "12.3 ± 6.8", "101.2 ± 55.5", "14.00", "9.50", "98.77", "1.25"),)
+    assert table.rows == (("servo", "12.3 ± 6.8", "101.2 ± 55.5", "14.0", "9.5", "98.77", "1.25"),)
 
 
 def test_a_table_of_scores_fits_a_terminal_where_names_are_short():
@@ -41,10 +41,11 @@ def test_a_table_of_scores_fits_a_terminal_where_names_are_short():
 
 @pytest.mark.parametrize("metric", METRICS)
 def test_a_comparison_is_in_the_unit_of_its_metric(metric):
-    name, factor = METRICS[metric]
+    factor = 100.0 if metric == "in_view" else 1.0
     (table,) = tables.comparisons([comparison(metric)])
     assert table.title == "primitive minus servo"
     interval = f"{-0.75 * factor:+.2f} to {0.25 * factor:+.2f}"
+    name = METRICS[metric].head(difference=True)
     assert table.rows == ((name, f"{-0.5 * factor:+.2f}", interval, "0.0312", "-1.50"),)
 
 
@@ -54,7 +55,11 @@ def test_a_very_small_p_is_not_called_zero():
 
 
 def test_every_pair_has_its_table():
-    found = [comparison(metric, b=b) for b in ("servo", "human-combined") for metric in METRICS]
+    found = [
+        comparison(metric, b=b)
+        for b in ("servo", "human-combined")
+        for metric in ("distance_rmse", "radius_rmse", "in_view")
+    ]
     assert [(table.title, len(table.rows)) for table in tables.comparisons(found)] == [
         ("primitive minus servo", 3),
         ("primitive minus human-combined", 3),
@@ -66,11 +71,11 @@ def test_a_flights_score_comes_with_units():
     scores = {"distance": 1.0, "distance_rmse": 2.0, "radius": 9.0, "radius_rmse": 3.0}
     table = tables.flight("climb", scores | {"in_view": 0.5, "smoothness": 0.25, "effort": 0.125})
     assert [value for _, value in table.rows] == [
-        "1.00 px",
-        "2.00 px",
-        "9.00 px²",
-        "3.00 px",
+        "1.0 px",
+        "2.0 px",
+        "9.0 px²",
+        "3.0 px",
         "50.00 %",
-        "0.25",
+        "0.25 1/s",
         "0.125",
     ]

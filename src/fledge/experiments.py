@@ -14,7 +14,7 @@ from fledge.demonstrations import PAPER_ORDERS, Demonstrations, Order, collect, 
 from fledge.episode import Episode, Flight
 from fledge.errors import BadDemonstrations
 from fledge.evaluation import Score, evaluate
-from fledge.findings import METRICS, SetupResult, compare_pairs, summarise, summarise_scores, to_json
+from fledge.findings import COMPARED, SetupResult, compare_pairs, summarise, summarise_scores, to_json
 from fledge.fusion import CompositeSet, estimate_delay, fuse
 from fledge.manoeuvres import AbstractManoeuvre, Combined
 from fledge.observation import OBSERVATION_NAMES, Axes
@@ -240,7 +240,7 @@ def duel(
         scores[name], _ = evaluate(drawn, crew, [(*key, 1) for key in keys], rig)
     done(len(pilots))
     first, *others = scores
-    found = compare_pairs([(first, other) for other in others], (*METRICS, "in_view"), scores, seed)
+    found = compare_pairs([(first, other) for other in others], COMPARED, scores, seed)
     return {
         "entries": {name: summarise_scores(score, FLIGHT_ROWS) for name, score in scores.items()},
         "comparisons": [to_json(comparison) for comparison in found],

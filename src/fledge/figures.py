@@ -22,6 +22,7 @@ import numpy as np
 
 from fledge.camera import look
 from fledge.episode import Flight
+from fledge.metrics import ERRORS, METRICS
 from fledge.observation import ROW_RATE
 from fledge.world import Obstacle
 
@@ -100,13 +101,6 @@ DUEL = ("human-combined", "primitive")
 """The set-ups whose sticks are shown, likewise."""
 STICK_WINDOW = 20.0
 """[s] of sticks, in the middle of the flight."""
-METRICS = {
-    "distance_rmse": ("distance RMSE [px]", 1.0),
-    "radius_rmse": ("radius RMSE [px]", 1.0),
-    "in_view": ("share in view [pp]", 100.0),
-}
-"""What is compared: (name with unit, factor into that unit)."""
-
 WIDTH, RIGHT = 8.0, 0.12
 """[in] of every figure, and what stays free on its right."""
 DOTS_PER_INCH = 150
@@ -387,11 +381,11 @@ def distributions(results: Results) -> "Figure":
     """Both errors over flights, as empirical distribution functions."""
     shown = {name: results["setups"][name]["scores"] for name in COMPARED if name in results["setups"]}
     figure, panels = _panels(1, 2, 2.3, above=0.1, apart=(0.1, 0.0), sharey=True)
-    for panel, metric in zip(panels, ("distance_rmse", "radius_rmse"), strict=True):
+    for panel, metric in zip(panels, ERRORS, strict=True):
         for name, scores in shown.items():
             _ecdf(panel, np.ravel(scores[metric]), LOOKS[name], name)
         _logarithmic(panel, "x", (1.0, 2.0, 3.0, 5.0, 7.0))
-        panel.set(xlabel=METRICS[metric][0], ylim=(0.0, 1.0))
+        panel.set(xlabel=METRICS[metric].head(), ylim=(0.0, 1.0))
     panels[0].set_ylabel("share of flights")
     _legend(figure, *panels[0].get_legend_handles_labels()[0])
     return figure
@@ -436,20 +430,21 @@ def forest(results: Results) -> "Figure":
     """The primary comparisons with their intervals."""
     primary = [one for one in results["comparisons"] if one["family"] == "primary"]
     pairs = list(dict.fromkeys((one["a"], one["b"]) for one in primary))
-    metrics = [metric for metric in METRICS if any(one["metric"] == metric for one in primary)]
+    metrics = [name for name in METRICS if any(one["metric"] == name for one in primary)]
     how = looks(list(results["setups"]))
     height = 0.36 * len(pairs) + 0.1
     figure, panels = _panels(1, len(metrics), height, left=2.1, apart=(0.1, 0.0), sharey=True, keyed=False)
-    for panel, metric in zip(panels, metrics, strict=True):
-        name, factor = METRICS[metric]
-        for one in (one for one in primary if one["metric"] == metric):
-            _whisker(panel, pairs.index((one["a"], one["b"])), one, factor, how[one["a"]])
+    for panel, name in zip(panels, metrics, strict=True):
+        metric = METRICS[name]
+        for one in (one for one in primary if one["metric"] == name):
+            _whisker(panel, pairs.index((one["a"], one["b"])), one, metric.factor, how[one["a"]])
         panel.axvline(0.0, color=INK, linewidth=0.9)
         panel.grid(visible=False, axis="y")
         panel.margins(x=0.15)
         better = "the first is better"
-        arrow = f"{better} \N{RIGHTWARDS ARROW}" if metric == "in_view" else f"\N{LEFTWARDS ARROW} {better}"
-        panel.set(xlabel=f"difference in {name}", title=arrow)
+        lower = metric.lower_is_better
+        arrow = f"\N{LEFTWARDS ARROW} {better}" if lower else f"{better} \N{RIGHTWARDS ARROW}"
+        panel.set(xlabel=f"difference in {metric.head(difference=True)}", title=arrow)
         panel.tick_params(axis="y", length=0.0)
         panel.locator_params(axis="x", nbins=6)
     panels[0].set_yticks(range(len(pairs)), [f"{a} \N{MINUS SIGN} {b}" for a, b in pairs])

@@ -1,12 +1,12 @@
 """What a study found: scores of flights become tables, comparisons and one JSON-able summary.
 
 The unit of inference is the flight, training seed by test case, never the time step. The family of tests is fixed in
-advance: `PRIMARY` pairs by `METRICS`, Holm over the four; everything else is called exploratory (D12).
+advance: `PRIMARY` pairs by `ERRORS`, Holm over the four; everything else is called exploratory (D12).
 """
 
 import platform
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
 from math import isfinite
 from typing import Any
@@ -19,6 +19,7 @@ from fledge.demonstrations import Demonstrations
 from fledge.episode import Flight
 from fledge.evaluation import Score
 from fledge.manoeuvres.paths import DEVELOPMENT_FAMILIES, HELD_OUT_FAMILIES, TRAINING_FAMILIES
+from fledge.metrics import ERRORS, METRICS
 from fledge.observation import OBSERVATION_NAMES, ROW_RATE
 from fledge.pilots import HumanModel, Servo
 from fledge.policy import Policy
@@ -42,9 +43,8 @@ class SetupResult:
     learning: dict[str, Any] | None = None
 
 
-METRICS = ("distance_rmse", "radius_rmse")
 PRIMARY = (("primitive", "dnn-combined"), ("primitive", "human-combined"))
-"""The family of tests fixed in advance: two pairs by two metrics, Holm over the four."""
+"""The family of tests fixed in advance: two pairs by two errors, Holm over the four."""
 EXPLORATORY = (
     ("primitive", "primitive-paper"),
     ("primitive", "servo"),
@@ -56,6 +56,8 @@ EXPLORATORY = (
     ("primitive", "dnn-combined-matched"),
 )
 MARGIN = 0.10
+COMPARED = (*ERRORS, "in_view")
+"""In the exploratory family, and whenever somebody compares pilots."""
 """Non-inferior: at most 10 % worse (D12)."""
 
 PAPER_TABLE = {
@@ -81,8 +83,8 @@ def summarise(
 ) -> dict[str, Any]:
     """Everything in results.json but the times."""
     scores = {name: result.scores["combined"] for name, result in results.items()}
-    primary = compare_pairs(PRIMARY, METRICS, scores, study.seed)
-    exploratory = compare_pairs(EXPLORATORY, (*METRICS, "in_view"), scores, study.seed)
+    primary = compare_pairs(PRIMARY, ERRORS, scores, study.seed)
+    exploratory = compare_pairs(EXPLORATORY, COMPARED, scores, study.seed)
     return {
         "version": version("fledge"),
         "seed": study.seed,
@@ -95,7 +97,7 @@ def summarise(
             for comparison in found
         ],
         "non_inferiority": [
-            _non_inferior(metric, scores, study.seed) for metric in METRICS if set(PRIMARY[1]) <= set(scores)
+            _non_inferior(metric, scores, study.seed) for metric in ERRORS if set(PRIMARY[1]) <= set(scores)
         ],
         "paper": {"table": PAPER_TABLE, "welch": _welch()},
         "development": development,
@@ -115,7 +117,7 @@ def compare_pairs(
 ) -> tuple[statistics.Comparison, ...]:
     """Each pair on each metric, p-values adjusted over all of them; pairs that did not fly are left out."""
     return statistics.with_holm(
-        statistics.compare(a, getattr(scores[a], metric), b, getattr(scores[b], metric), metric, seed)
+        _compare(a, b, metric, scores, seed)
         for a, b in pairs
         if a in scores and b in scores
         for metric in metrics
@@ -123,6 +125,19 @@ def compare_pairs(
 
 
 def _non_inferior(metric: str, scores: Mapping[str, Score], seed: int) -> dict[str, Any]:
+def _compare(a: str, b: str, metric: str, scores: Mapping[str, Score], seed: int) -> statistics.Comparison:
+    """Statistics take lower for better; where higher is, what says who is better is taken the other way round."""
+    of_a, of_b = (getattr(scores[name], metric) for name in (a, b))
+    found = statistics.compare(a, of_a, b, of_b, metric, seed)
+    if METRICS[metric].lower_is_better:
+        return found
+    return replace(
+        found,
+        effect_size=statistics.effect_size(of_b, of_a),
+        probability_of_improvement=statistics.probability_of_improvement(of_b, of_a),
+    )
+
+
     a, b = PRIMARY[1]
     found = statistics.non_inferior(getattr(scores[a], metric), getattr(scores[b], metric), MARGIN, seed)
     return {"a": a, "b": b, "metric": metric} | to_json(found)

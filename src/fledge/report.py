@@ -26,7 +26,8 @@ import numpy as np
 from fledge import figures
 from fledge.episode import Flight
 from fledge.errors import BadFile
-from fledge.figures import METRICS, Results
+from fledge.figures import Results
+from fledge.metrics import CREDIBILITY, ERRORS, METRICS, Metric
 from fledge.storage import read_flight, read_json, write
 
 MAIN = ("human-combined", "dnn-combined", "primitive-paper", "primitive", "servo")
@@ -39,7 +40,6 @@ PRINTED = {
 }
 """Which line of the paper's Table 4 speaks of a set-up."""
 MANOEUVRES = ("fixed-altitude", "climb", "descend", "combined")
-ERRORS = ("distance_rmse", "radius_rmse")
 ALPHA, MARGIN = 0.05, 0.10
 """The paper's level, and ours for "comparable" (D12)."""
 
@@ -104,7 +104,7 @@ def render(results: Results, flights: Mapping[str, Flight], plots: Mapping[str, 
     samples = {name: Markup(figures.swatch(how)) for name, how in looks.items()}
     environment = Environment(autoescape=True, undefined=StrictUndefined)
     environment.filters |= {"number": number, "signed": signed, "percent": percent, "p": p_value}
-    environment.filters |= {"listed": listed, "word": word, "flat": flat}
+    environment.filters |= {"shown": shown, "listed": listed, "word": word, "flat": flat}
     template = environment.from_string(files("fledge").joinpath("report.html.j2").read_text(encoding="utf-8"))
     page = template.render(
         r=results,
@@ -114,6 +114,7 @@ def render(results: Results, flights: Mapping[str, Flight], plots: Mapping[str, 
         printed=PRINTED,
         manoeuvres=MANOEUVRES,
         metrics=METRICS,
+        credibility=CREDIBILITY,
         claims=found,
         fates={name: by_fate(found, name) for name in ("primitive", "primitive-paper") if name in looks},
         swatches=samples,
@@ -218,7 +219,7 @@ def _within_margin(results: Results, name: str, other: str) -> tuple[str, str]:
     for metric in ERRORS:
         word, text = _ratio(results, name, other, metric)
         words.append(word)
-        parts.append(f"{METRICS[metric][0].split(' [')[0]} {text}")
+        parts.append(f"{METRICS[metric].title} {text}")
     word = next(iter(set(words))) if len(set(words)) == 1 else PARTLY if HOLDS in words else OPEN
     return word, f"{'; '.join(parts)}; allowed {1.0 + MARGIN:.2f}"
 
@@ -324,6 +325,11 @@ def percent(value: float | None, digits: int = 2) -> str:
     return (
         f">{number(100.0 - 10.0**-digits, digits)}" if value < 1.0 and text == number(100.0, digits) else text
     )
+
+
+def shown(value: float | None, metric: Metric) -> str:
+    """A number as it is shown of its metric."""
+    return percent(value, metric.digits) if metric.unit == "%" else number(value, metric.digits)
 
 
 def p_value(value: float | None) -> str:

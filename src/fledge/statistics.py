@@ -64,13 +64,13 @@ class Comparison:
     b: str
     metric: str
     difference: float
-    """Mean of a - b, in the metric's unit; negative where a is better."""
+    """Mean of a - b, in the metric's unit."""
     interval: tuple[float, float]
     """95 % interval of `difference`."""
     p: float
     """Two-sided, not adjusted."""
     effect_size: float
-    """d_z over cases; infinite where all cases differ by exactly the same."""
+    """d_z over cases, negative where a is better; infinite where all cases differ by exactly the same."""
     probability_of_improvement: float
     """How often a is better than b on a flight."""
     needed_cases: int | None

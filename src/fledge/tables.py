@@ -4,17 +4,16 @@ They fit a terminal of 80 columns where names are short. Means over flights come
 "sticks" is how fast the pilot moves them: their mean absolute change per second.
 """
 
+import textwrap
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
-METRICS = {
-    "distance_rmse": ("distance RMSE [px]", 1.0),
-    "radius_rmse": ("radius RMSE [px]", 1.0),
-    "in_view": ("in view [%]", 100.0),
-}
-"""What is compared: (name with unit, factor into that unit)."""
+from fledge.metrics import METRICS, Metric
+
+WIDTH = 10
+"""Of the lines of a head, in letters."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,32 +27,21 @@ class Table:
 
 def scores(title: str, entries: Mapping[str, Mapping[str, Any]]) -> Table:
     """How well each flew, over all its flights."""
-    heads = (
-        "",
-        "distance\nmean [px]",
-        "radius\nmean [px²]",
-        "distance\nRMSE [px]",
-        "radius\nRMSE [px]",
-        "in view\n[%]",
-        "sticks\n[1/s]",
-    )
+    shown = ("distance", "radius", "distance_rmse", "radius_rmse", "in_view", "smoothness")
+    heads = ("", *(_head(METRICS[name]) for name in shown))
     return Table(title, heads, tuple(_scores(name, entry) for name, entry in entries.items()))
 
 
 def _scores(name: str, entry: Mapping[str, Any]) -> tuple[str, ...]:
     return (
         name,
-        _spread(entry["distance"]),
-        _spread(entry["radius"]),
-        f"{entry['distance_rmse_px']:.2f}",
-        f"{entry['radius_rmse_px']:.2f}",
-        f"{100.0 * entry['in_view']:.2f}",
-        f"{entry['smoothness']:.2f}",
+        _spread(METRICS["distance"], entry["distance"]),
+        _spread(METRICS["radius"], entry["radius"]),
+        _number(METRICS["distance_rmse"], entry["distance_rmse_px"]),
+        _number(METRICS["radius_rmse"], entry["radius_rmse_px"]),
+        _number(METRICS["in_view"], entry["in_view"]),
+        _number(METRICS["smoothness"], entry["smoothness"]),
     )
-
-
-def _spread(value: Mapping[str, float]) -> str:
-    return f"{value['mean']:.1f} ± {value['sd']:.1f}"
 
 
 def comparisons(found: Iterable[Mapping[str, Any]]) -> list[Table]:
@@ -64,11 +52,11 @@ def comparisons(found: Iterable[Mapping[str, Any]]) -> list[Table]:
 
 
 def _comparison(one: Mapping[str, Any]) -> tuple[str, ...]:
-    name, factor = METRICS[one["metric"]]
-    low, high = (factor * edge for edge in one["interval"])
+    metric = METRICS[one["metric"]]
+    low, high = (metric.factor * edge for edge in one["interval"])
     return (
-        name,
-        f"{factor * one['difference']:+.2f}",
+        metric.head(difference=True),
+        f"{metric.factor * one['difference']:+.2f}",
         f"{low:+.2f} to {high:+.2f}",
         f"{one['p_holm']:.4f}" if one["p_holm"] >= 1e-4 else "< 0.0001",
         "-" if one["effect_size"] is None else f"{one['effect_size']:+.2f}",
@@ -78,12 +66,18 @@ def _comparison(one: Mapping[str, Any]) -> tuple[str, ...]:
 def flight(title: str, found: Mapping[str, float]) -> Table:
     """One flight's score."""
     rows = (
-        ("distance of the UGVs' centre from the image's, mean", f"{found['distance']:.2f} px"),
-        ("  root mean square", f"{found['distance_rmse']:.2f} px"),
-        ("squared radius error, mean", f"{found['radius']:.2f} px²"),
-        ("  root", f"{found['radius_rmse']:.2f} px"),
-        ("all UGVs in view", f"{100.0 * found['in_view']:.2f} %"),
-        ("sticks: change per second, mean", f"{found['smoothness']:.2f}"),
-        ("sticks: deflection, mean", f"{found['effort']:.3f}"),
+        (one.meaning, f"{_number(one, found[name])} {one.unit}".rstrip()) for name, one in METRICS.items()
     )
-    return Table(title, ("", ""), rows)
+    return Table(title, ("", ""), tuple(rows))
+
+
+def _head(metric: Metric) -> str:
+    return textwrap.fill(metric.head(), WIDTH)
+
+
+def _number(metric: Metric, value: float) -> str:
+    return f"{metric.factor * value:.{metric.digits}f}"
+
+
+def _spread(metric: Metric, value: Mapping[str, float]) -> str:
+    return f"{_number(metric, value['mean'])} ± {_number(metric, value['sd'])}"
