@@ -3,7 +3,7 @@
 import pytest
 
 from fledge import tables
-from fledge.metrics import METRICS
+from fledge.metrics import CREDIBILITY, METRICS
 
 ENTRY = {
     "distance": {"mean": 12.345, "sd": 6.789},
@@ -79,3 +79,17 @@ def test_a_flights_score_comes_with_units():
         "0.25 1/s",
         "0.125",
     ]
+
+
+def test_the_operator_stands_beside_the_bands_that_people_reach():
+    axis = {"axis": "up", "crossover": 1.204, "delay": 0.555, "remnant": 0.2514, "inside": False}
+    bands = {"crossover": (1.0, 2.5), "delay": (0.35, 0.65), "remnant": (0.1, 0.3)}
+    table = tables.operator({"sentence": "Nobody.", "axes": [axis], "bands": bands})
+    assert table.title == "Nobody."
+    assert [" ".join(head.split()) for head in table.columns[1:-1]] == [
+        metric.head() for metric in CREDIBILITY.values()
+    ]
+    assert table.rows == (
+        ("up", "1.20", "0.56", "25.1", "no"),
+        ("people", "1.00 to 2.50", "0.35 to 0.65", "10.0 to 30.0", ""),
+    )

@@ -75,7 +75,7 @@ def reproduce(
         json,
         tables.scores(title, summary["setups"]),
         *tables.comparisons(primary),
-        summary["operator"]["sentence"],
+        tables.operator(summary["operator"]),
         f"report: {page}",
     )
 

@@ -119,9 +119,3 @@ def _measure(axis: str, position: np.ndarray, goal: np.ndarray, stick: np.ndarra
     forced = np.abs(said[:, n]) ** 2
     remnant = 1.0 - float(forced.sum() / power.sum())
     return Credibility(axis, crossover, (-lag - np.pi / 2.0) / crossover, remnant)
-
-
-def bands_text() -> str:
-    """The bands, for people."""
-    units = {"crossover": "rad/s", "delay": "s", "remnant": "of stick power"}
-    return "; ".join(f"{name} {low}-{high} {units[name]}" for name, (low, high) in BANDS.items())

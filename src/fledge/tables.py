@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from typing import Any
 
-from fledge.metrics import METRICS, Metric
+from fledge.metrics import CREDIBILITY, METRICS, Metric
 
 WIDTH = 10
 """Of the lines of a head, in letters."""
@@ -61,6 +61,24 @@ def _comparison(one: Mapping[str, Any]) -> tuple[str, ...]:
         f"{one['p_holm']:.4f}" if one["p_holm"] >= 1e-4 else "< 0.0001",
         "-" if one["effect_size"] is None else f"{one['effect_size']:+.2f}",
     )
+
+
+def operator(found: Mapping[str, Any]) -> Table:
+    """Whether the operator is credible: what was measured of it, beside the bands that people reach."""
+    heads = ("", *map(_head, CREDIBILITY.values()), "inside")
+    axes = tuple(
+        (
+            one["axis"],
+            *(_number(metric, one[name]) for name, metric in CREDIBILITY.items()),
+            "yes" if one["inside"] else "no",
+        )
+        for one in found["axes"]
+    )
+    bands = (
+        " to ".join(_number(metric, edge) for edge in found["bands"][name])
+        for name, metric in CREDIBILITY.items()
+    )
+    return Table(found["sentence"], heads, (*axes, ("people", *bands, "")))
 
 
 def flight(title: str, found: Mapping[str, float]) -> Table:
