@@ -12,9 +12,9 @@ from fledge.manoeuvres import Climb, Descend, FixedAltitude
 from fledge.observation import Axes
 from fledge.pilots import Servo
 from fledge.policy import Contract
+from fledge.recipe import Recipe
 from fledge.simulation import Case, Crew, fly_plain
 from fledge.storage import read_policy
-from fledge.training import Recipe
 
 EPOCHS = 4
 CHECKPOINT = "policy.onnx.checkpoint.npz"

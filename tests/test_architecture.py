@@ -27,7 +27,8 @@ LAYERS = (
     ("findings",),
     ("setups",),
     ("evaluation", "statistics", "training", "crossover", "metrics"),
-    ("fusion", "policy"),
+    ("split",),
+    ("fusion", "policy", "recipe"),
     ("demonstrations",),
     ("simulation",),
     ("conditions",),
@@ -56,7 +57,7 @@ SHELL = {
 MAY_USE_JAX = {
     *("cli", "commands", "doctor", "logbook", "apprenticeship", "archive", "report"),
     *("experiments", "findings", "setups", "evaluation", "training", "crossover", "simulation"),
-    *("demonstrations", "fusion"),
+    *("demonstrations", "fusion", "split"),
     *("storage.checkpoints", "storage.results"),
 }
 """The simulator and what stands on it, the collecting of demonstrations included. All else serves a lab without JAX:

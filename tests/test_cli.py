@@ -18,8 +18,8 @@ from fledge import cli, demonstrations, doctor, experiments, setups
 from fledge.cli import main
 from fledge.errors import FledgeError
 from fledge.policy import Contract
+from fledge.recipe import Recipe
 from fledge.storage import read_flight, read_policy, write_flight, write_policy
-from fledge.training import Recipe
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 MANOEUVRES = ("climb", "combined", "descend", "fixed-altitude")

@@ -32,6 +32,7 @@ from fledge.manoeuvres.paths import FAMILIES
 from fledge.observation import Axes
 from fledge.pilots import HumanModel, Servo
 from fledge.policy import Policy
+from fledge.recipe import Recipe
 from fledge.setups import (
     BASIC,
     CANDIDATES,
@@ -47,7 +48,6 @@ from fledge.setups import (
     Study,
 )
 from fledge.simulation import Crew, Rig, flight_key
-from fledge.training import Recipe
 
 FIVE = ("human-combined", "dnn-combined", "primitive-paper", "primitive", "servo")
 SHORT = Recipe(epochs=2, batch=None, points=2)

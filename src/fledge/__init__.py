@@ -15,10 +15,11 @@ if TYPE_CHECKING:
     from fledge.observation import Action, Observation
     from fledge.pilots import AbstractPilot
     from fledge.policy import Contract, Policy
+    from fledge.recipe import Recipe
     from fledge.safety import AbstractNet
     from fledge.simulation import Case, Crew, Rig, fly, fly_plain
     from fledge.storage import read_flight, read_policy, write_flight, write_policy
-    from fledge.training import LossCurve, Recipe, fit
+    from fledge.training import LossCurve, fit
 
 _HOME = {
     "AbstractManoeuvre": "manoeuvres",
@@ -35,7 +36,7 @@ _HOME = {
     "LossCurve": "training",
     "Observation": "observation",
     "Policy": "policy",
-    "Recipe": "training",
+    "Recipe": "recipe",
     "Rig": "simulation",
     "SubTask": "fusion",
     "estimate_delay": "fusion",

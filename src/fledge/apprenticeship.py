@@ -15,9 +15,10 @@ from fledge.errors import BadDemonstrations, BadFile
 from fledge.experiments import by_sub_task, composite_set
 from fledge.fusion import CompositeSet
 from fledge.policy import Contract
+from fledge.recipe import Recipe
 from fledge.setups import Setup
 from fledge.storage import read_checkpoint, sweep, write_checkpoint, write_policy
-from fledge.training import LossCurve, Recipe
+from fledge.training import LossCurve
 
 
 @dataclass(frozen=True, slots=True)

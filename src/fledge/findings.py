@@ -23,9 +23,10 @@ from fledge.metrics import ERRORS, METRICS
 from fledge.observation import OBSERVATION_NAMES, ROW_RATE
 from fledge.pilots import HumanModel, Servo
 from fledge.policy import Policy
+from fledge.recipe import Recipe
 from fledge.setups import DEFAULT_METHOD, Setup, Study
 from fledge.simulation import Rig
-from fledge.training import LossCurve, Recipe, member_curve
+from fledge.training import LossCurve, member_curve
 
 
 @dataclass(frozen=True, slots=True)

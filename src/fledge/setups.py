@@ -16,7 +16,7 @@ from fledge.manoeuvres import Climb, Combined, Descend, FixedAltitude
 from fledge.manoeuvres.paths import DEVELOPMENT_FAMILIES, HELD_OUT_FAMILIES
 from fledge.observation import OBSERVATION_NAMES, VELOCITY_INPUTS
 from fledge.pilots import AbstractPilot, HumanModel, Servo
-from fledge.training import Recipe
+from fledge.recipe import Recipe
 
 FLIGHT_ROWS = 1200
 """60 s (D10)."""

@@ -1,10 +1,5 @@
 """Learning the composite policy from the composite set: Algorithm 1, line 8.
 
-A `Recipe` is the optimiser and nothing else; what is learnt was decided in `fuse`. Two are ready:
-`Recipe.paper()` is the paper's (full batch, Adam, 10,000 epochs, 67/33 split by row, initial weights of standard
-deviation 1e-4) and `Recipe.fast()` reaches the same held-out error in seconds (mini-batches, cosine schedule, split
-by episode, the best epoch on held-out episodes kept).
-
 `train` is a generator of `Checkpoint`s: many seeds at once by `vmap`, and each checkpoint is all that is needed to go
 on exactly where it was made. The order of the rows is a function of seed and epoch: nothing else is to be remembered.
 """
@@ -12,90 +7,20 @@ on exactly where it was made. The order of the rows is a function of seed and ep
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Literal
+from typing import Any
 
 import jax
 import jax.numpy as jnp
 import numpy as np
 import optax
 
-from fledge.errors import BadDemonstrations, OutOfRange
 from fledge.fusion import CompositeSet
 from fledge.policy import HIDDEN, Contract, Policy
+from fledge.recipe import Recipe
+from fledge.split import Split, hold_out
 
 Layers = tuple[tuple[Any, ...], tuple[Any, ...]]
 """(weights, biases); with many seeds every array has a leading axis of seeds."""
-
-
-@dataclass(frozen=True, slots=True)
-class Recipe:
-    """How to optimise."""
-
-    epochs: int = 20
-    batch: int | None = 256
-    """Rows per step; None for all of them."""
-    learning_rate: float = 2e-3
-    schedule: Literal["constant", "cosine"] = "cosine"
-    weight_decay: float = 0.1
-    """Decoupled (AdamW), in units of the learning rate."""
-    init: Literal["paper", "constant", "he"] = "paper"
-    """Normal of sd 1e-4, the constant 1e-4, or He's normal (D5). From weights near 0 an input that a sub-task does not
-    vary stays without influence on its actions; from He's it keeps a random one, and flights show it."""
-    split: Literal["row", "episode"] = "episode"
-    validation: float = 0.2
-    """Share of rows or episodes held out."""
-    keep: Literal["last", "best"] = "best"
-    """The weights of the last epoch, or of the one with the lowest held-out loss."""
-    points: int = 20
-    """How often the losses are measured, and a checkpoint is made, over the whole run."""
-
-    @classmethod
-    def paper(cls, epochs: int = 10_000) -> "Recipe":
-        """Section "Experiments", to the letter where it speaks; Adam's step is Keras's default."""
-        return cls(
-            epochs=epochs,
-            batch=None,
-            learning_rate=1e-3,
-            schedule="constant",
-            weight_decay=0.0,
-            init="paper",
-            split="row",
-            validation=0.33,
-            keep="last",
-            points=100,
-        )
-
-    @classmethod
-    def fast(cls, epochs: int = 20) -> "Recipe":
-        """The default; chosen on development flights (docs/method.md)."""
-        return cls(epochs=epochs, points=epochs)
-
-    def checked(self) -> "Recipe":
-        """Itself, if its fields make sense.
-
-        Raises:
-            OutOfRange: names the field.
-        """
-        for name, valid, ok in (
-            ("epochs", "1 or more", self.epochs >= 1),
-            ("batch", "1 or more, or None", self.batch is None or self.batch >= 1),
-            ("learning_rate", "above 0, to 1", 0.0 < self.learning_rate <= 1.0),
-            ("weight_decay", "0 or more", self.weight_decay >= 0.0),
-            ("validation", "above 0, below 1", 0.0 < self.validation < 1.0),
-            ("points", "1 or more", self.points >= 1),
-            ("schedule", "constant or cosine", self.schedule in ("constant", "cosine")),
-            ("init", "paper, constant or he", self.init in ("paper", "constant", "he")),
-            ("split", "row or episode", self.split in ("row", "episode")),
-            ("keep", "last or best", self.keep in ("last", "best")),
-        ):
-            if not ok:
-                raise OutOfRange(f"recipe {name}", getattr(self, name), valid)
-        return self
-
-    @property
-    def stride(self) -> int:
-        """Epochs between two measurements."""
-        return max(self.epochs // self.points, 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,23 +50,6 @@ class Checkpoint:
     curve: LossCurve
 
 
-@dataclass(frozen=True, slots=True)
-class Data:
-    """The composite set, normalised and split, ready for the device."""
-
-    x: Any
-    y: Any
-    mask: Any
-    subtask: Any
-    """Shape (rows, sub-tasks + 1): weights of a row in each loss."""
-    train: np.ndarray
-    """Row numbers."""
-    held_out: np.ndarray
-    """Row numbers."""
-    mean: np.ndarray
-    scale: np.ndarray
-
-
 def fit(
     composite: CompositeSet,
     recipe: Recipe | None = None,
@@ -161,7 +69,7 @@ def train(
     resume: Checkpoint | None = None,
 ) -> Iterator[Checkpoint]:
     """Train one network per key, all at once, from the beginning or from a checkpoint of the same run."""
-    data = prepare(composite, recipe.checked())
+    data = Split.of(composite, recipe.checked())
     seeds = jnp.stack([jax.random.key(key) for key in keys])
     optimiser = _optimiser(recipe, len(data.train))
     state = resume or begin(composite, recipe, keys)
@@ -195,7 +103,7 @@ def begin(composite: CompositeSet, recipe: Recipe, keys: Sequence[int]) -> Check
     sizes = (len(composite.inputs), *HIDDEN, composite.actions.shape[1])
     seeds = jnp.stack([jax.random.key(key) for key in keys])
     layers = jax.vmap(partial(_initial, sizes, recipe.init))(seeds)
-    rows = len(_split(composite, recipe)[0])
+    rows = len(hold_out(composite, recipe)[0])
     opt_state = jax.vmap(_optimiser(recipe, rows).init)(layers)
     empty = np.empty((len(keys), 0, len(composite.names) + 1))
     curve = LossCurve(np.empty(0, dtype=int), empty, empty, composite.names)
@@ -233,7 +141,7 @@ def policies(
     composite: CompositeSet, recipe: Recipe, state: Checkpoint, contract: Contract | None = None
 ) -> Policy:
     """What was learnt: one Policy whose arrays have a leading axis of seeds (see `member`)."""
-    data = prepare(composite, recipe)
+    data = Split.of(composite, recipe)
     weights, biases = state.best if recipe.keep == "best" else state.layers
     seeds = len(state.best_loss)
     if contract is not None:
@@ -263,51 +171,6 @@ def member(many: Policy, i: int) -> Policy:
 def member_curve(many: LossCurve, i: int) -> LossCurve:
     """The curve of one seed."""
     return replace(many, training=many.training[i], validation=many.validation[i])
-
-
-def prepare(composite: CompositeSet, recipe: Recipe) -> Data:
-    """Split and normalise; the normaliser sees the training rows only."""
-    train, held_out = _split(composite, recipe)
-    states = composite.states[:, list(composite.inputs)]
-    mean, scale = states[train].mean(axis=0), states[train].std(axis=0)
-    # An input that does not vary carries nothing: 1 keeps it from becoming 0 / 0.
-    scale = np.where(scale > 1e-6 * np.maximum(np.abs(mean), 1.0), scale, 1.0)
-    groups = np.eye(len(composite.names))[composite.subtask]
-    return Data(
-        jnp.asarray((states - mean) / scale, dtype=jnp.float32),
-        jnp.asarray(composite.actions, dtype=jnp.float32),
-        jnp.asarray(composite.mask, dtype=jnp.float32),
-        jnp.asarray(np.column_stack([np.ones(len(states)), groups]), dtype=jnp.float32),
-        train,
-        held_out,
-        mean.astype(np.float32),
-        scale.astype(np.float32),
-    )
-
-
-def _split(composite: CompositeSet, recipe: Recipe) -> tuple[np.ndarray, np.ndarray]:
-    """Row numbers for training and validation; the same for every seed, each sub-task split alike."""
-    rng = np.random.default_rng(67)
-    unit = composite.episode if recipe.split == "episode" else np.arange(len(composite.states))
-    held: list[np.ndarray] = []
-    for task in range(len(composite.names)):
-        units = np.unique(unit[composite.subtask == task])
-        if recipe.split == "episode" and len(units) == 1:
-            # One episode: its last block is held out.
-            rows = np.flatnonzero(composite.subtask == task)
-            held.append(rows[len(rows) - max(round(recipe.validation * len(rows)), 1) :])
-            continue
-        count = min(max(round(recipe.validation * len(units)), 1), len(units))
-        held.append(np.flatnonzero(np.isin(unit, rng.choice(units, count, replace=False))))
-    held_out = np.sort(np.concatenate(held))
-    train = np.setdiff1d(np.arange(len(composite.states)), held_out)
-    bare = [name for i, name in enumerate(composite.names) if i not in composite.subtask[train]]
-    if bare:
-        raise BadDemonstrations(
-            f"{len(composite.states)} rows leave nothing of {', '.join(bare)} to train on after holding out "
-            f"{len(held_out)}: give more rows or episodes"
-        )
-    return train, held_out
 
 
 def _initial(sizes: tuple[int, ...], init: str, key: jax.Array) -> Layers:
@@ -341,7 +204,7 @@ def _loss(layers: Layers, x: Any, y: Any, mask: Any) -> Any:
     return squared.sum() / jnp.maximum(mask.sum(), 1.0)
 
 
-def _losses(data: Data, layers: Layers) -> tuple[Any, Any]:
+def _losses(data: Split, layers: Layers) -> tuple[Any, Any]:
     """(training, validation) losses, each of all rows and of every sub-task."""
     squared = data.mask * (_predict(layers, data.x) - data.y) ** 2
 
@@ -354,7 +217,7 @@ def _losses(data: Data, layers: Layers) -> tuple[Any, Any]:
 
 
 def _epochs(
-    data: Data,
+    data: Split,
     recipe: Recipe,
     optimiser: optax.GradientTransformation,
     layers: Layers,
