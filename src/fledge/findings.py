@@ -56,9 +56,9 @@ EXPLORATORY = (
     ("primitive-matched", "dnn-combined"),
     ("primitive", "dnn-combined-matched"),
 )
-MARGIN = 0.10
 COMPARED = (*ERRORS, "in_view")
 """In the exploratory family, and whenever somebody compares pilots."""
+MARGIN = 0.10
 """Non-inferior: at most 10 % worse (D12)."""
 
 PAPER_TABLE = {
@@ -125,7 +125,6 @@ def compare_pairs(
     )
 
 
-def _non_inferior(metric: str, scores: Mapping[str, Score], seed: int) -> dict[str, Any]:
 def _compare(a: str, b: str, metric: str, scores: Mapping[str, Score], seed: int) -> statistics.Comparison:
     """Statistics take lower for better; where higher is, what says who is better is taken the other way round."""
     of_a, of_b = (getattr(scores[name], metric) for name in (a, b))
@@ -139,6 +138,7 @@ def _compare(a: str, b: str, metric: str, scores: Mapping[str, Score], seed: int
     )
 
 
+def _non_inferior(metric: str, scores: Mapping[str, Score], seed: int) -> dict[str, Any]:
     a, b = PRIMARY[1]
     found = statistics.non_inferior(getattr(scores[a], metric), getattr(scores[b], metric), MARGIN, seed)
     return {"a": a, "b": b, "metric": metric} | to_json(found)
