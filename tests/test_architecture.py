@@ -31,6 +31,8 @@ LAYERS = (
     ("fusion", "policy", "recipe"),
     ("demonstrations",),
     ("simulation",),
+    ("watchdog", "modes"),
+    ("inputs", "tracking"),
     ("conditions",),
     ("formation",),
     ("manoeuvres", "pilots", "safety"),
