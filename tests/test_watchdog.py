@@ -113,8 +113,8 @@ def test_a_contradiction_ends_with_a_person():
         (0.5, 0),
         (0.51, Severity.HOLD),
         (1e9, Severity.HOLD),
-        (-LEAD, 0),
-        (-0.03, Severity.HOLD),
+        (-0.9 * LEAD, 0),
+        (-1.1 * LEAD, Severity.HOLD),
         (nan, Severity.HOLD),
     ),
 )
