@@ -13,16 +13,9 @@ import numpy as np
 
 from fledge.episode import Flight
 from fledge.errors import BadFile
-from fledge.figures import (
-    INK,
-    LOOKS,
-    MUTED,
-    STYLE,
-    draw_arena,
-    draw_circle,
-    draw_tracks,
-    ideal_altitude,
-)
+from fledge.figures import LOOKS, draw_arena, draw_circle, draw_tracks, ideal_altitude
+from fledge.figures.looks import INK, MUTED
+from fledge.figures.sheet import STYLE
 from fledge.storage import write
 
 if TYPE_CHECKING:

@@ -2,7 +2,7 @@
 
 `write_report` reads `results.json` and the sample flights of a folder and writes `index.html` beside them: abstract,
 tables, figures and every setting, with no script and nothing loaded from elsewhere. The words stand in
-`report.html.j2`, the figures in `figures.py`; here is what must be computed before anything can be said.
+`report.html.j2`, the figures in `figures`; here is what must be computed before anything can be said.
 
 **Claims.** What the paper says of its method, in its own words, each held against this study's numbers, for the method
 as the paper has it (`primitive-paper`) and as fledge would have it (`primitive`). The same rules judge every study:
