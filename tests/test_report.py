@@ -12,32 +12,17 @@ import numpy as np
 import pytest
 
 from fledge import statistics
+from fledge.claims import claims
 from fledge.episode import Flight
 from fledge.errors import BadFile
 from fledge.figures import FLOWN, LOOKS
 from fledge.manoeuvres import Combined
 from fledge.observation import OBSERVATION_NAMES
 from fledge.pilots import HumanModel, Servo
-from fledge.report import (
-    FAILS,
-    HOLDS,
-    MAIN,
-    OPEN,
-    PARTLY,
-    UNTESTED,
-    claims,
-    flat,
-    listed,
-    number,
-    p_value,
-    percent,
-    render,
-    signed,
-    word,
-    write_report,
-)
+from fledge.report import MAIN, render, write_report
 from fledge.simulation import Case, Crew, fly_plain
 from fledge.storage import read_json, write_flight, write_json
+from fledge.wording import flat, number, p_value, percent, signed
 
 SEEDS, CASES = 6, 9
 LEVELS = {
@@ -459,127 +444,11 @@ def test_a_folder_that_cannot_be_made_is_named(results, flights, tmp_path):
         publish(tmp_path, results, flights)
 
 
-# Claims
-
-
-def verdicts(results: dict[str, Any], short: str) -> dict[str | None, str]:
-    (claim,) = (claim for claim in claims(results) if claim.short == short)
-    return {verdict.setup: verdict.word for verdict in claim.verdicts}
-
-
-@pytest.mark.parametrize(
-    "uppers, expected",
-    [((1.05, 1.10), HOLDS), ((1.05, 1.11), PARTLY), ((1.2, 1.3), OPEN)],
-)  # fmt: skip
-def test_comparable_is_what_the_bound_says(results, uppers, expected):
-    changed = copy.deepcopy(results)
-    for one, upper in zip(changed["non_inferiority"], uppers, strict=True):
-        one |= {"upper": upper, "holds": upper <= 1.1}
-    assert verdicts(changed, "comparable to the operator")["primitive"] == expected
-
-
-@pytest.mark.parametrize(
-    "interval, expected",
-    [([-0.1, 0.01], HOLDS), ([0.2, 0.3], FAILS), ([0.0, 0.2], OPEN)],
-)  # fmt: skip
-def test_where_no_bound_was_tested_the_interval_decides(results, interval, expected):
-    changed = copy.deepcopy(results)
-    for one in changed["comparisons"]:
-        if (one["a"], one["b"]) == ("primitive-paper", "human-combined"):
-            mean = (
-                changed["setups"]["human-combined"][f"{one['metric']}_px"]
-                if one["metric"] != "in_view"
-                else 1.0
-            )
-            one["interval"] = [edge * mean for edge in interval]
-    assert verdicts(changed, "comparable to the operator")["primitive-paper"] == expected
-
-
-@pytest.mark.parametrize(
-    "difference, p, expected",
-    [(-1.0, 0.01, HOLDS), (1.0, 0.01, FAILS), (-1.0, 0.05, OPEN)],
-)
-@pytest.mark.parametrize("turned", [False, True])
-def test_lower_is_what_the_test_says_whichever_way_round(results, difference, p, expected, turned):
-    changed = copy.deepcopy(results)
-    for one in changed["comparisons"]:
-        if (one["a"], one["b"], one["metric"]) == ("primitive", "dnn-combined", "radius_rmse"):
-            one |= {"difference": difference, "interval": [difference - 0.5, difference + 0.5], "p_holm": p}
-            if turned:
-                one |= {"a": "dnn-combined", "b": "primitive", "difference": -difference}
-                one["interval"] = [-difference - 0.5, -difference + 0.5]
-    assert verdicts(changed, "a lower radius error than dnn-combined")["primitive"] == expected
-
-
-def test_without_a_test_means_may_refute_but_not_confirm(results):
-    changed = copy.deepcopy(results)
-    for radius, expected in ((99.0, FAILS), (0.1, UNTESTED)):
-        changed["setups"]["primitive-paper"]["radius_rmse_px"] = radius
-        assert verdicts(changed, "a lower radius error than dnn-combined")["primitive-paper"] == expected
-
-
-def test_always_in_view_means_always(results):
-    changed = copy.deepcopy(results)
-    ours = changed["setups"]["primitive"]
-    ours["scores"]["in_view"] = np.ones((SEEDS, CASES)).tolist()
-    for part in ours["manoeuvres"].values():
-        part["in_view"] = 1.0
-    assert verdicts(changed, "all UGVs always in view")["primitive"] == HOLDS
-    ours["manoeuvres"]["climb"]["in_view"] = 0.9999
-    assert verdicts(changed, "all UGVs always in view")["primitive"] == FAILS
-    ours["manoeuvres"]["climb"]["in_view"] = 1.0
-    ours["scores"]["in_view"][0][0] = 0.9999
-    assert verdicts(changed, "all UGVs always in view")["primitive"] == FAILS
-
-
-def test_smoother_means_smoother(results):
-    changed = copy.deepcopy(results)
-    for level, expected in ((0.1, HOLDS), (9.0, FAILS)):
-        changed["setups"]["primitive"]["scores"]["smoothness"] = np.full((SEEDS, CASES), level).tolist()
-        assert verdicts(changed, "smoother than the operator")["primitive"] == expected
-
-
-@pytest.mark.parametrize(
-    "adjusted, expected", [((0.2, 1.0), FAILS), ((0.01, 1.0), PARTLY), ((0.01, 0.04), HOLDS)]
-)
-def test_the_papers_significance_is_what_its_numbers_say(results, adjusted, expected):
-    welch = [{"p": p, "p_holm": p} for p in adjusted]
-    changed = results | {"paper": results["paper"] | {"welch": welch}}
-    assert verdicts(changed, "differences significant at 0.05") == {None: expected}
-
-
-def test_set_ups_that_were_not_run_are_not_judged():
-    for claim in claims(study(("human-combined", "primitive"))):
-        assert {verdict.setup for verdict in claim.verdicts} <= {"primitive", None}
-
-
 def test_the_abstract_tells_every_verdict(page, results):
     abstract = page.text[: page.text.index(results["operator"]["sentence"])]
     for claim in claims(results):
         if {"primitive", "primitive-paper"} & {verdict.setup for verdict in claim.verdicts}:
             assert claim.short in abstract
-
-
-# Numbers
-
-
-def test_numbers_read_well():
-    assert number(1234567.25, 1) == "1\N{NARROW NO-BREAK SPACE}234\N{NARROW NO-BREAK SPACE}567.2"
-    assert number(-0.5, 1) == "\N{MINUS SIGN}0.5" and number(-0.01, 1) == "0.0" and number(None) == "–"
-    assert signed(0.5) == "+0.50" and signed(-0.5) == "\N{MINUS SIGN}0.50" and signed(0.001) == "0.00"
-    assert p_value(0.0001) == "<0.001" and p_value(0.05) == "0.050" and p_value(None) == "–"
-    assert listed(["a"]) == "a" and listed(["a", "b", "c"]) == "a, b and c"
-    assert word(None) == "none" and word(True) == "yes" and word([1, 2.5]) == "1, 2.5"
-
-
-def test_a_share_that_is_not_whole_is_not_shown_as_whole():
-    assert percent(1.0) == "100.00"
-    assert percent(0.99999) == ">99.99"
-    assert percent(0.9999) == "99.99"
-
-
-def test_nested_settings_are_flat():
-    assert flat({"a": {"b": {"c": 1}, "d": None}}) == [("a.b.c", "1"), ("a.d", "none")]
 
 
 def test_every_main_set_up_has_a_look():
