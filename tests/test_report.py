@@ -141,7 +141,7 @@ def study(names: tuple[str, ...] = tuple(LOOKS)) -> dict[str, Any]:
             "manoeuvre_cases": 5,
             "flight_seconds": 60.0,
             "row_rate_hz": 20.0,
-            "families": {"training": ["line", "sine", "circle"], "test": ["ell", "spline"]},
+            "families": {"training": ["line"], "development": ["zigzag", "eight"], "test": ["ell", "spline"]},
             "lens": {"focal_px": 374.7, "levelled": True},
             "ideal_radius_px": 108.0,
             "recipes": {"fast": {"epochs": 20, "batch": 256}, "paper": {"epochs": 10000, "batch": None}},
@@ -367,6 +367,14 @@ def test_there_is_a_light_a_dark_and_a_printed_page(report):
     for name, how in LOOKS.items():
         assert html.count(f"--{name}: {how.light};") == 2
         assert html.count(f"--{name}: {how.dark};") == 1
+
+
+def test_the_page_says_what_the_default_read_and_where_it_was_chosen(page, results):
+    assert "keys and path families of their own (zigzag and eight)" in page.text
+    assert "with the default only ugv_u, ugv_v and radius" in page.text
+    alike = copy.deepcopy(results)
+    alike["setups"]["primitive"]["learning"]["inputs"] = INPUTS
+    assert "Both methods read all 11 inputs" in Page(render(alike, {}, {})).text
 
 
 def test_the_page_says_when_no_test_could_reject(page, results):

@@ -68,7 +68,7 @@ def reproduce(
         results = archive.conduct(study, flights)
     summary = archive.store(out, results, times)
     page = write_report(out)
-    title = f"{study.cases} Combined test flights, of each of {study.training_seeds} networks where one is trained"
+    title = f"{study.cases} Combined test flights; training seeds: {study.training_seeds}"
     primary = [one for one in summary["comparisons"] if one["family"] == "primary"]
     console.show(
         summary,

@@ -30,6 +30,20 @@ def test_a_logarithmic_axis_has_numbers_for_labels():
     assert {"0.5", "1", "2", "5", "10", "20"} <= set(labels)
 
 
+@pytest.mark.parametrize("decades", [0.5, 1.0, 2.0, 3.0, 3.5])
+def test_the_labels_of_a_logarithmic_axis_stay_apart(decades):
+    """On half a sheet; a label of four digits is 0.3 inches wide."""
+    figure, (panel, _) = sheet.panels(1, 2, 1.0)
+    panel.set_xlim(2.0, 2.0 * 10.0**decades)
+    sheet.logarithmic(panel, "x", (1.0, 2.0, 3.0, 5.0, 7.0))
+    figure.draw_without_rendering()
+    low, high = panel.get_xlim()
+    places = [np.log10(tick) for tick in panel.get_xticks() if low <= tick <= high]
+    assert len(places) >= 2
+    inches = panel.get_position().width * sheet.WIDTH / np.log10(high / low)
+    assert np.diff(places).min() * inches > 0.3
+
+
 def test_time_runs_to_the_end_of_the_last_row():
     assert sheet.seconds(np.arange(40) / 20.0) == pytest.approx((0.0, 2.0))
 

@@ -94,12 +94,13 @@ def patch(label: str, **style: Any) -> Any:
 
 
 def logarithmic(panel: "Axes", axis: str, marks: Sequence[float]) -> None:
-    """A logarithmic axis whose numbers read as numbers."""
+    """A logarithmic axis whose numbers read as numbers; fewer of them where it spans many."""
     from matplotlib.ticker import LogLocator, NullLocator
 
     getattr(panel, f"set_{axis}scale")("log")
     scale = getattr(panel, f"{axis}axis")
-    scale.set_major_locator(LogLocator(subs=marks))
+    low, high = getattr(panel, f"get_{axis}lim")()
+    scale.set_major_locator(LogLocator(subs=marks if high <= 30.0 * low else (1.0, 3.0)))
     scale.set_minor_locator(NullLocator())
     scale.set_major_formatter(lambda value, _: f"{value:g}")
 
