@@ -32,6 +32,7 @@ LAYERS = (
     ("fusion", "policy", "recipe"),
     ("demonstrations",),
     ("simulation",),
+    ("supervisor",),
     ("watchdog", "modes"),
     ("inputs", "tracking"),
     ("conditions",),

@@ -21,7 +21,16 @@ def world(t) -> WorldState:
 
 @pytest.mark.parametrize(
     "flag, meant",
-    ((0.0, False), (1.0, True), (False, False), (True, True), (nan, False), (-inf, False), (0.5, False)),
+    (
+        (0.0, False),
+        (1.0, True),
+        (False, False),
+        (True, True),
+        (nan, False),
+        (inf, False),
+        (-inf, False),
+        (0.5, False),
+    ),
 )
 def test_a_flag_is_set_above_one_half(flag, meant):
     assert said(flag) is meant

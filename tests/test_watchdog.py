@@ -132,7 +132,8 @@ def test_an_operator_must_be_heard_of(age, severity):
 
 
 @pytest.mark.parametrize(
-    "share, severity", ((0.2, 0), (0.19, Severity.LAND), (-inf, Severity.LAND), (nan, Severity.HOLD))
+    "share, severity",
+    ((0.2, 0), (0.19, Severity.LAND), (-inf, Severity.LAND), (nan, Severity.HOLD), (inf, Severity.HOLD)),
 )
 def test_who_runs_empty_lands_and_who_does_not_know_holds(share, severity):
     _, uav, ugv = checked(inputs(world(0.01), batteries=(1.0, share)))

@@ -1,6 +1,6 @@
 """What comes in from outside during one tick: poses, the policy's wish, the operator, and what is left to fly with.
 
-Flags are numbers, set above one half: a flag that is no number is not set, and whoever reads it sees that the record
+Flags are numbers, set above one half. A flag that is not finite is not set, and whoever reads it sees that the record
 around it is broken (`sane`).
 """
 
@@ -66,7 +66,7 @@ class Inputs:
 
 def said(flag: Scalar) -> Scalar:
     """Whether a flag is set."""
-    return flag > 0.5
+    return (flag > 0.5) & (flag < inf)
 
 
 def finite(command: VelocityCommand) -> Scalar:

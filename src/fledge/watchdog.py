@@ -40,7 +40,7 @@ Ages = tuple[tuple[float, Severity], ...]
 """From which age [s] a datum asks for what."""
 
 POSE_AGES: Ages = ((0.1, Severity.BRAKE), (0.5, Severity.HOLD), (2.0, Severity.LAND))
-"""0.1 s is the delay that the nets are built for; 0.5 and 2 s are the Crazyflie's for set-points (2a18fc2)."""
+"""By a pose older than 0.1 s no net holds a vehicle; 0.5 and 2 s are the Crazyflie's for set-points (2a18fc2)."""
 POLICY_AGES: Ages = ((0.5, Severity.HOLD),)
 """Ten decisions missed; the Crazyflie levels out at this age of a set-point."""
 LINK_AGES: Ages = ((10.0, Severity.LAND),)
@@ -123,7 +123,7 @@ class Watchdog:
 
     def _battery(self, share: Scalar) -> Alarm:
         """An unknown share is no reason to come down."""
-        severity = where(share >= self.low, 0.0, float(Severity.HOLD))
+        severity = where((share >= self.low) & (share < inf), 0.0, float(Severity.HOLD))
         severity = where(share < self.low, float(Severity.LAND), severity)
         return Alarm(severity, where(severity > 0.0, float(Reason.BATTERY_LOW), 0.0))
 

@@ -1,0 +1,248 @@
+"""Layer two of the safety net: who flies each vehicle, decided anew every tick.
+
+The watchdog says what may be believed, the table of modes who flies, layer one (the net) what of it is let through:
+
+    inputs -> `Watchdog.check` -> `modes.advance` -> one command per vehicle -> `AbstractNet.filter` -> verdicts
+
+| mode | command | through the net |
+|---|---|---|
+| AUTO, SHIELDED | the policy's; zero velocity while an alarm says "brake" | yes |
+| RECOVER | from the last command sent to the policy's, faded over `settle` | yes |
+| HOLD, STOPPED | zero velocity, which an AR.Drone takes for its own hover | yes |
+| MANUAL | the person's | yes, unless the dead-man switch is held |
+| LAND | straight down at `descent` | no |
+| INIT, READY, TERMINATED | zero velocity | no |
+
+Two exceptions, for one reason: a net that does not see must not steer. A vehicle whose pose is older than the net is
+built for gets its command unfiltered, which then is zero velocity, unless a person flies. And a landing is not filtered
+at all: a net guards the floor, too, and a blind one would keep the vehicle in the air until its battery decides. The
+zero velocity across with which it comes down is the very brake for which the net has kept room.
+
+Nothing here reads a clock: timers are differences of the times that come in. What a mode means for motors (off in INIT,
+READY and TERMINATED) is for the link to the vehicle.
+"""
+
+from dataclasses import dataclass, field
+from typing import Any
+
+from fledge.inputs import HOVER, Inputs, Operator, finite, said, sane
+from fledge.modes import TABLE, Mode, Row, Trigger, advance
+from fledge.safety.base import AbstractNet
+from fledge.scalars import Scalar, clip, negate, where
+from fledge.tracking import LEAD
+from fledge.watchdog import Alarm, Severity, Watch, Watchdog
+from fledge.world import Arena, Commands, Reason, VelocityCommand, Verdict, WorldState
+
+LONG_AGO = 1e3
+"""[s] before the flight: when everything that has not happened yet happened last."""
+
+
+@dataclass(frozen=True, slots=True)
+class Post:
+    """What is remembered of one vehicle."""
+
+    mode: Scalar
+    """A `Mode`, as a number."""
+    reason: Scalar
+    """Why it is in this mode: a `Reason`, as a number."""
+    since: Scalar
+    """When it came into this mode [s]."""
+    alarmed: Scalar
+    """When there was last an alarm that acts [s]."""
+    held_back: Scalar
+    """When something of the policy's was last held back [s]."""
+    at_rest: Scalar
+    """When the sticks were last near their middle [s]."""
+    free: Scalar
+    """Whether the net had nothing against the last command; a flag."""
+    origin: VelocityCommand
+    """The last command sent; in RECOVER, the last one sent before it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """The supervisor's memory."""
+
+    watch: Watch
+    net: Any
+    posts: tuple[Post, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """What layer two decided on one vehicle."""
+
+    mode: Scalar
+    """A `Mode`, as a number."""
+    verdict: Verdict
+    """What is really sent. The reason is the net's in AUTO, SHIELDED and MANUAL, where only the net acts, and
+    otherwise names the fault or the person that took the command away."""
+    alarm: Alarm
+
+
+@dataclass(frozen=True, slots=True)
+class Situation:
+    """One vehicle in one tick."""
+
+    now: Scalar
+    """[s]."""
+    alarm: Alarm
+    proposed: VelocityCommand
+    operator: Operator
+    braking: Scalar
+    """Whether the alarm asks for a brake, or worse."""
+    silent: Scalar
+    """How long the operator's link has been [s]."""
+    on_ground: Scalar
+    blind: Scalar
+    """Whether its pose is too old for a net."""
+    descent: VelocityCommand
+    """How it lands."""
+
+
+@dataclass(frozen=True, slots=True)
+class Supervisor:
+    """Limits, and the parts."""
+
+    net: AbstractNet
+    watchdog: Watchdog = Watchdog()
+    settle: float = 1.0  # [s] a fault must be gone, and a fade lasts; chosen: braking from 1 m/s takes 0.8 s
+    deaf: float = 5.0  # [s] that a hold does not listen to sticks; PX4's COM_FAIL_ACT_T
+    shown: float = 0.5  # [s] that SHIELDED outlasts its cause; chosen, so that a log can be read
+    taking: float = 0.3  # share of full deflection that takes over; PX4's COM_RC_STICK_OV
+    holding: float = 0.1  # [s] it must last, so that a spike takes nothing over; chosen
+    neutral: float = 0.1  # share of full deflection that counts as hands off; chosen
+    silence: float = 0.5  # [s] without the link that end MANUAL; PX4's COM_RC_LOSS_T
+    descent: float = 0.3  # [m/s]; chosen
+    table: tuple[Row, ...] = field(default=TABLE, metadata={"static": True})
+
+    def init(self, arena: Arena, world: WorldState) -> Memory:
+        """Every vehicle in INIT, nothing having happened yet."""
+        t = world.t
+        past = t - LONG_AGO
+        post = Post(float(Mode.INIT), float(Reason.NOT_READY), t, past, past, t, 0.0, HOVER)
+        vehicles = 1 + len(world.ugvs)
+        return Memory(self.watchdog.init(world), self.net.init(arena, world), (post,) * vehicles)
+
+    def step(self, memory: Memory, inputs: Inputs) -> tuple[Memory, tuple[Decision, ...]]:
+        """(memory, one decision per vehicle, the UAV first)."""
+        watch, world, alarms = self.watchdog.check(memory.watch, inputs)
+        situations = self._situations(world, alarms, inputs)
+        posts = [self._post(*pair) for pair in zip(memory.posts, situations, strict=True)]
+        wanted = [self._wanted(*pair) for pair in zip(posts, situations, strict=True)]
+        uav, *ugvs = wanted
+        net, verdicts = self.net.filter(memory.net, world, Commands(uav, tuple(ugvs)))
+        done = [self._decide(*vehicle) for vehicle in zip(posts, situations, wanted, verdicts, strict=True)]
+        return Memory(watch, net, tuple(post for post, _ in done)), tuple(decision for _, decision in done)
+
+    def _situations(
+        self, world: WorldState, alarms: tuple[Alarm, ...], inputs: Inputs
+    ) -> tuple[Situation, ...]:
+        grounded = inputs.airborne <= 0.5
+        always = grounded | True
+        landing = VelocityCommand(0.0, 0.0, -self.descent, 0.0)
+        too_old = self.watchdog.poses[0][0]
+        states, commands = (world.uav, *world.ugvs), (inputs.proposed.uav, *inputs.proposed.ugvs)
+        return tuple(
+            Situation(
+                world.t,
+                alarms[i],
+                commands[i],
+                inputs.operators[i],
+                alarms[i].severity >= float(Severity.BRAKE),
+                world.t - inputs.heard,
+                always if i else grounded,
+                negate(world.t - state.stamp <= too_old),
+                HOVER if i else landing,
+            )
+            for i, state in enumerate(states)
+        )
+
+    def _post(self, post: Post, s: Situation) -> Post:
+        """The mode after this tick, and what it remembers."""
+        before = (post.mode, post.reason)
+        mode, reason = advance(self.table, before, self._triggers(post, s), s.alarm.reason)
+        return Post(
+            mode,
+            reason,
+            where(mode == post.mode, post.since, s.now),
+            where(s.braking, s.now, post.alarmed),
+            post.held_back,
+            where(s.operator.deflection > self.taking, post.at_rest, s.now),
+            post.free,
+            post.origin,
+        )
+
+    def _triggers(self, post: Post, s: Situation) -> dict[Trigger, Scalar]:
+        """What is so; every condition says what is good of what could be NaN."""
+        o, severity, lasted = s.operator, s.alarm.severity, s.now - post.since
+        linked = (s.silent >= -LEAD) & (s.silent <= self.silence)
+        calm = negate(s.braking) & (s.now - post.alarmed >= self.settle)
+        moved = (o.deflection > self.taking) & (s.now - post.at_rest >= self.holding)
+        hands_off = (o.switch <= 0.5) & (o.dead_man <= 0.5) & (o.deflection <= self.neutral)
+        held_back = s.now - post.held_back <= self.shown
+        return {
+            Trigger.TERMINATE: said(o.terminate),
+            Trigger.LAND: said(o.land),
+            Trigger.STOP: said(o.stop),
+            Trigger.ARM: said(o.arm),
+            Trigger.DISARM: o.arm <= 0.5,
+            Trigger.SWITCH: said(o.switch) & linked,
+            Trigger.STICKS: moved & linked,
+            Trigger.HAND_BACK: said(o.hand_back) & linked & hands_off & calm & said(post.free),
+            Trigger.LINK_LOST: negate(linked),
+            Trigger.ON_GROUND: s.on_ground,
+            Trigger.ALARM_BRAKE: s.braking,
+            Trigger.ALARM_HOLD: severity >= float(Severity.HOLD),
+            Trigger.ALARM_STOP: severity >= float(Severity.STOP),
+            Trigger.ALARM_LAND: severity >= float(Severity.LAND),
+            Trigger.CALM: calm,
+            Trigger.HELD_BACK: held_back,
+            Trigger.QUIET: negate(held_back),
+            Trigger.LASTED: lasted >= self.settle,
+            Trigger.HEARD_OUT: lasted >= self.deaf,
+        }
+
+    def _wanted(self, post: Post, s: Situation) -> VelocityCommand:
+        """What the vehicle is to do, before the net has a look."""
+        share = clip((s.now - post.since) / self.settle, 0.0, 1.0)
+        faded = post.origin.scaled(1.0 - share) + s.proposed.scaled(share)
+        wanted = where(_in(post, Mode.LAND), s.descent, HOVER)
+        wanted = where(_in(post, Mode.MANUAL) & sane(s.operator), s.operator.command, wanted)
+        wanted = where(_in(post, Mode.RECOVER), faded, wanted)
+        return where(_in(post, Mode.AUTO, Mode.SHIELDED) & negate(s.braking), s.proposed, wanted)
+
+    def _decide(
+        self, post: Post, s: Situation, wanted: VelocityCommand, net: Verdict
+    ) -> tuple[Post, Decision]:
+        """What is sent, and why; and what is remembered of it."""
+        manual, policy = _in(post, Mode.MANUAL), _in(post, Mode.AUTO, Mode.SHIELDED)
+        idle = _in(post, Mode.INIT, Mode.READY, Mode.LAND, Mode.TERMINATED)
+        alone = idle | where(manual, said(s.operator.dead_man), s.blind)
+        sent = where(alone, wanted, net.command)
+        filtered = negate(alone) & negate(net.intervened <= 0.5)
+        braking = policy & s.braking
+        broken = negate(finite(sent)) | (manual & negate(sane(s.operator)))
+        reason = where((policy | manual) & filtered, net.reason, post.reason)
+        reason = where(broken, float(Reason.NOT_FINITE), where(braking, s.alarm.reason, reason))
+        sent = where(finite(sent), sent, HOVER)
+        held_back = filtered | braking | broken
+        kept = Post(
+            post.mode,
+            post.reason,
+            post.since,
+            post.alarmed,
+            where(policy & held_back, s.now, post.held_back),
+            post.at_rest,
+            where(net.intervened <= 0.5, 1.0, 0.0),
+            where(_in(post, Mode.RECOVER), post.origin, sent),
+        )
+        intervened = where(policy & negate(held_back), 0.0, 1.0)
+        return kept, Decision(post.mode, Verdict(sent, intervened, reason, net.clearance), s.alarm)
+
+
+def _in(post: Post, *modes: Mode) -> Scalar:
+    found = post.mode == float(modes[0])
+    for mode in modes[1:]:
+        found = found | (post.mode == float(mode))
+    return found
