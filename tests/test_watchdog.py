@@ -65,7 +65,7 @@ def test_an_old_pose_is_an_alarm_for_its_vehicle(age, severity):
         (Reason.BACKWARD, -20.0, 0.0),
         (Reason.BAD_POSE, 0.0, nan),
         (Reason.BAD_POSE, 0.0, 1e3),
-        (Reason.JUMP, 0.0, 50.0),
+        (Reason.JUMP, 0.0, 90.0),
     ),
 )
 @pytest.mark.parametrize("age, severity", GRADES[1:])

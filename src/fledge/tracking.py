@@ -111,7 +111,7 @@ class Tracker:
     """Limits of what a vehicle can do, and a pose be wrong by."""
 
     far: float = 100.0  # [m] from the origin: farther off is a slip of units; chosen
-    fastest: float = 3.0  # [m/s]; chosen: the UAV's 2 m/s and its overshoot
+    fastest: float = 5.0  # [m/s]; chosen: 2 m/s along both axes, and the overshoot that the UAV can have
     wild: float = 50.0  # [m/s, rad/s]: a velocity or rate beyond it is none; chosen
     position_error: float = 0.02  # [m]; what the nets are built for
     velocity_error: float = 0.1  # [m/s]; likewise
