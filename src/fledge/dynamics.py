@@ -24,13 +24,13 @@ from fledge.world import UavState, UgvState, VelocityCommand, settle_on_floor
 GRAVITY = 9.81  # [m/s^2]
 
 
-COMMAND_LAG = 0.1
-"""[s] on velocity and yaw commands; chosen. With it a step of 0.5 m/s stays within the tilt limit, so that the loops stay
+COMMAND_LAG = 0.2
+"""[s] on velocity and yaw commands; chosen. With it a step of 1 m/s stays within the tilt limit, so that the loops stay
 linear and two computers agree on a whole flight."""
 
-TILT_LAG = 0.02
+TILT_LAG = 0.05
 """[s] on the tilt the velocity loop asks for; chosen. The published loop pushes the body with any torque; rotors would
-clip the spike of a step of tilt, and the vehicle answer four times slower than its loops say."""
+clip the spikes of a restless pilot's commands, and the vehicle then brakes later than its loops say."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +93,7 @@ class Quadrotor:
     rotor_lag: float = 0.03  # [s]; chosen, small brushless rotors answer in 20-50 ms
     drag: float = 0.1  # [1/s] deceleration per air speed; chosen small: the original has none at all
     radius: float = 0.26  # [m] half diagonal of the indoor hull, 0.517 m across (Parrot data sheet)
+    half_height: float = 0.1  # [m]; chosen, the hull is 0.13 m high
 
     def init(self, state: UavState) -> UavMemory:
         """Hovering: the rotors carry the weight, the loops are at rest."""
@@ -216,6 +217,7 @@ class Pioneer:
     turn_acceleration: float = 4.0  # [rad/s^2]; chosen
     length: float = 0.511  # [m]
     width: float = 0.425  # [m]
+    height: float = 0.24  # [m]; 237 mm (data sheet)
 
     @property
     def radius(self) -> float:
@@ -238,7 +240,7 @@ class Pioneer:
 
 
 P3_DX = Pioneer()
-P3_AT = Pioneer(max_speed=0.8, length=0.626, width=0.505)  # params/p3at-sh.p; cruising limit
+P3_AT = Pioneer(max_speed=0.8, length=0.626, width=0.505, height=0.28)  # params/p3at-sh.p; cruising limit; 277 mm
 
 UGV_FLEET = (P3_AT, P3_DX, P3_DX)
 """The paper's three heterogeneous UGVs; it does not say how many of each."""

@@ -110,14 +110,15 @@ def negate(condition: Scalar) -> Scalar:
 
 
 def where(condition: Scalar, yes: Any, no: Any) -> Any:
-    """`yes` where the condition holds, else `no`: numbers, tuples or whole records of numbers."""
+    """`yes` where the condition holds, else `no`: numbers, (named) tuples or whole records of numbers."""
     if isinstance(condition, bool):
         return yes if condition else no
     if is_dataclass(yes) and not isinstance(yes, type):
         pairs = ((getattr(yes, f.name), getattr(no, f.name)) for f in fields(yes))
         return type(yes)(*(where(condition, a, b) for a, b in pairs))
     if isinstance(yes, tuple):
-        return tuple(where(condition, a, b) for a, b in zip(yes, no, strict=True))
+        parts = (where(condition, a, b) for a, b in zip(yes, no, strict=True))
+        return type(yes)(*parts) if hasattr(yes, "_fields") else tuple(parts)
     return _namespace(condition).where(condition, yes, no)
 
 

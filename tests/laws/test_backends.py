@@ -17,7 +17,7 @@ from fledge.manoeuvres.base import FormationTrack
 from fledge.observation import ACTION_NAMES
 from fledge.pilots import HumanModel, Servo
 from fledge.pilots.human_model import STICK_STEPS
-from fledge.simulation import STEP, Case, Crew, Rig, fly_row, plain_scan, rollout, stack_cases, start
+from fledge.simulation import COMPILED, PLAIN, STEP, Case, Crew, Rig, fly_row, rollout, stack_cases, start
 
 ROWS = 1200
 """60 s."""
@@ -57,7 +57,7 @@ def flights(request):
     with jax.enable_x64(True):
         fly = jax.jit(
             jax.vmap(
-                lambda case, drawn: rollout((case, crew, Rig()), drawn, deal, jax.lax.scan), in_axes=(0, None)
+                lambda case, drawn: rollout((case, crew, Rig()), drawn, deal, COMPILED), in_axes=(0, None)
             ),
             compiler_options=QUICKLY,
         )
@@ -71,7 +71,7 @@ def flights(request):
 def test_in_double_precision_a_minute_of_flight_agrees_to_nine_digits(flights, day):
     crew, flown = flights
     i = ("nominal", "perfect").index(day)
-    plain = rollout(((NOMINAL, PERFECT)[i], crew, Rig()), chance(ROWS), deal, plain_scan)
+    plain = rollout(((NOMINAL, PERFECT)[i], crew, Rig()), chance(ROWS), deal, PLAIN)
     assert len(plain.world.t) == ROWS
     found = differences(plain, jax.tree.map(lambda leaf: leaf[i], flown))
     worst = max(found, key=lambda name: found[name].max())
@@ -95,13 +95,13 @@ def single_steps(request):
     state, before, after = start(*scene), [], []
     for target, drawn in inputs:
         before.append(state)
-        state, row = fly_row(state, target, deal(drawn), scene, plain_scan)
+        state, row = fly_row(state, target, deal(drawn), scene, PLAIN)
         after.append((state, row))
     plain, states, given = (
         jax.tree.map(lambda *leaves: np.array(leaves), *many) for many in (after, before, inputs)
     )
     step = jax.jit(
-        jax.vmap(lambda state, target, drawn: fly_row(state, target, deal(drawn), scene, jax.lax.scan)),
+        jax.vmap(lambda state, target, drawn: fly_row(state, target, deal(drawn), scene, COMPILED)),
         compiler_options=QUICKLY,
     )
     single = step(*jax.tree.map(lambda leaf: jnp.asarray(leaf, jnp.float32), (states, *given)))

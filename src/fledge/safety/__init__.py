@@ -1,9 +1,11 @@
 """Safety nets: what stands between a pilot and a vehicle. Add one: write one file."""
 
 from fledge.safety.base import AbstractNet
+from fledge.safety.contract import Contract, UavStop, UgvStop
 from fledge.safety.none import NoNet
+from fledge.safety.stop_tube import StopTube
 
-NETS = (NoNet(),)
+NETS = (NoNet(), StopTube())
 """The shipped nets, for menus and for laws that every net must obey."""
 
-__all__ = ["NETS", "AbstractNet", "NoNet"]
+__all__ = ["NETS", "AbstractNet", "Contract", "NoNet", "StopTube", "UavStop", "UgvStop"]

@@ -1,0 +1,294 @@
+"""The stop tube: where a vehicle may still go if it is told to stop now, and how much room that leaves.
+
+Everything that must not be touched is a `Face`: a half-space the vehicle has to stay in. Obstacles are convex, so a
+vehicle that stays beyond one of an obstacle's faces cannot touch it; of side and top the roomier is taken. `room` is
+the free distance that remains when the whole stop, the contract's worst errors and the other vehicle's own stop are
+taken off. Room that is not negative means: whatever happens within the contract, the stop ends before the face.
+
+Nothing here decides; what a net does with the room is its own affair.
+"""
+
+from typing import NamedTuple
+
+from fledge.geometry import Box, Heading, Vec3
+from fledge.safety.contract import Contract, UavStop, UgvStop
+from fledge.scalars import Scalar, clip, exp, maximum, minimum, sqrt, where
+from fledge.world import Arena, Reason, UavState, UgvState
+
+TINY = 1e-9
+FREE = 1e3
+"""[m] room where there is nothing to be touched."""
+
+
+class Face(NamedTuple):
+    """Something to stay clear of, as one vehicle sees it."""
+
+    x: Scalar
+    """Unit normal, away from the thing."""
+    y: Scalar
+    z: Scalar
+    gap: Scalar
+    """Free distance from hull to hull [m]."""
+    room: Scalar
+    """What remains of it after a stop that begins now [m]."""
+    reason: Reason
+
+
+class UavTube(NamedTuple):
+    """Where the UAV comes to rest if it is told to hover now, from where it was measured."""
+
+    early: Vec3
+    """[m] if commands act at once."""
+    late: Vec3
+    """[m] if they act after the contract's whole latency."""
+    error: Scalar
+    """[m] by which the stop may miss that, sideways."""
+    error_up: Scalar
+    """[m] and in height."""
+
+    def advance(self, x: Scalar, y: Scalar) -> Scalar:
+        """How far the stop goes along the horizontal unit vector (x, y) [m]."""
+        ahead = maximum(self.early.x * x + self.early.y * y, self.late.x * x + self.late.y * y)
+        return maximum(ahead, 0.0)
+
+    def sink(self) -> Scalar:
+        """How far down the stop goes [m]."""
+        return maximum(-minimum(self.early.z, self.late.z), 0.0)
+
+    def rise(self) -> Scalar:
+        """How far up the stop goes [m]."""
+        return maximum(maximum(self.early.z, self.late.z), 0.0)
+
+
+class UgvTube(NamedTuple):
+    """How far a UGV goes if it is told to stop after its command has been held until its own watchdog ends it."""
+
+    nose: Heading
+    ahead: Scalar
+    """Length of its way forwards [m]."""
+    astern: Scalar
+    """Length of its way in reverse [m]."""
+    swing: Scalar
+    """By how much its nose may turn meanwhile [rad]."""
+
+    def advance(self, x: Scalar, y: Scalar) -> Scalar:
+        """How far that goes along the unit vector (x, y), whichever way it turns [m]."""
+        towards = self.nose.cos * x + self.nose.sin * y
+        aside = abs(self.nose.cos * y - self.nose.sin * x) * self.swing
+        forwards = self.ahead * clip(towards + aside, 0.0, 1.0)
+        backwards = self.astern * clip(aside - towards, 0.0, 1.0)
+        return maximum(forwards, backwards)
+
+
+class Sent(NamedTuple):
+    """What was sent to a vehicle along one axis: the newest commands, and those before them as its filter has them."""
+
+    newest: tuple[Scalar, ...]
+    """[m/s], newest first, as far back as the contract's delay."""
+    before: Scalar
+    """[m/s]."""
+
+    @classmethod
+    def nothing(cls, contract: Contract, zero: Scalar) -> "Sent":
+        """At the start of a flight."""
+        return cls((zero,) * round((contract.age + contract.latency) / contract.period), zero)
+
+    def then(self, command: Scalar, share: float) -> "Sent":
+        """One command later; `share` is how much of it the filter takes up in a period."""
+        old = self.newest[-1]
+        return Sent((command, *self.newest[:-1]), self.before + (old - self.before) * share)
+
+    def pending(self, periods: Scalar, share: float) -> tuple[Scalar, Scalar]:
+        """(the sum of the commands of the last so many periods; what the filter follows before them)."""
+        coming, followed = 0.0, self.before
+        for k in range(len(self.newest) - 1, -1, -1):
+            part = clip(periods - k, 0.0, 1.0)
+            coming = coming + part * self.newest[k]
+            followed = followed + (self.newest[k] - followed) * (share * (1.0 - part))
+        return coming, followed
+
+    def largest(self) -> tuple[Scalar, Scalar]:
+        """(the smallest, the largest) of the newest commands [m/s]."""
+        low = high = self.newest[0]
+        for command in self.newest[1:]:
+            low, high = minimum(low, command), maximum(high, command)
+        return low, high
+
+
+def filter_share(contract: Contract, stop: UavStop) -> float:
+    """How much of a command the UAV's filter takes up in a period."""
+    return 1.0 - float(exp(-contract.period / stop.lag))
+
+
+def uav_tube(
+    contract: Contract, stop: UavStop, uav: UavState, sent: tuple[Sent, Sent, Sent], age: Scalar
+) -> UavTube:
+    """The stop of a UAV measured `age` [s] ago that was sent commands along the world's axes."""
+    heading = uav.attitude.heading()
+    roll, pitch, _ = uav.attitude.tilt()
+    forward, left = heading.from_world(uav.velocity.x, uav.velocity.y)
+    forward = stop.speed * forward + stop.tilt * pitch + stop.rate * uav.rates.y
+    left = stop.speed * left - stop.tilt * roll - stop.rate * uav.rates.x
+    up = stop.speed_up * uav.velocity.z
+    share = filter_share(contract, stop)
+
+    def rest(periods: Scalar) -> Vec3:
+        (x, fx), (y, fy), (z, fz) = (axis.pending(periods, share) for axis in sent)
+        follow_forward, follow_left = heading.from_world(fx, fy)
+        dx, dy = heading.to_world(
+            forward + stop.followed * follow_forward, left + stop.followed * follow_left
+        )
+        T = contract.period
+        return Vec3(dx + T * x, dy + T * y, up + stop.followed_up * fz + T * z)
+
+    measured = contract.position_error + stop.hold
+    side = stop.speed * contract.velocity_error + stop.tilt * contract.angle_error
+    side = side + stop.rate * contract.rate_error + stop.error
+    height = stop.speed_up * contract.velocity_error + stop.error_up
+    since = age / contract.period
+    late = since + contract.latency / contract.period
+    return UavTube(rest(since), rest(late), measured + side, measured + height)
+
+
+def ugv_tube(
+    contract: Contract,
+    stop: UgvStop,
+    ugv: UgvState,
+    sent: Sent,
+    age: Scalar,
+    forward: Scalar,
+    turn: Scalar,
+) -> UgvTube:
+    """The stop of a UGV that goes on with a command until its watchdog ends it; (0, 0) is the stop that begins now."""
+    reaction = age + contract.latency + contract.period
+    low, high = sent.largest()
+    # Before a command bites the speed may still chase an earlier one.
+    gain = contract.velocity_error + stop.acceleration * reaction
+    v = ugv.speed
+    fastest = maximum(v + contract.velocity_error, minimum(high, v + gain))
+    slowest = minimum(v - contract.velocity_error, maximum(low, v - gain))
+    turning = minimum(
+        abs(ugv.turn_rate) + contract.rate_error + stop.turn_acceleration * reaction, stop.most_turn
+    )
+    turning = maximum(turning, abs(turn))
+    swing = turning * (reaction + turning / (2.0 * stop.turn_acceleration)) + abs(turn) * stop.hold_over
+    return UgvTube(
+        Heading.of(ugv.heading),
+        _way(contract, stop, reaction, fastest, forward),
+        _way(contract, stop, reaction, -slowest, -forward),
+        swing + contract.angle_error,
+    )
+
+
+def _way(contract: Contract, stop: UgvStop, reaction: Scalar, speed: Scalar, command: Scalar) -> Scalar:
+    """Length of the way [m] in one direction: reaction, command held over, braking."""
+    speed, command = maximum(speed, 0.0), maximum(command, 0.0)
+    top = maximum(speed, command)
+    braking = top * top / (2.0 * (stop.acceleration - contract.disturbance))
+    return speed * reaction + command * stop.hold_over + braking
+
+
+def wall_faces(arena: Arena, x: Scalar, y: Scalar, radius: float) -> tuple[tuple[float, float, Scalar], ...]:
+    """(normal x, normal y, gap [m]) of the four walls."""
+    b = arena.bounds
+    return (
+        (1.0, 0.0, x - b.x_min - radius),
+        (-1.0, 0.0, b.x_max - x - radius),
+        (0.0, 1.0, y - b.y_min - radius),
+        (0.0, -1.0, b.y_max - y - radius),
+    )
+
+
+def side_of_box(box: Box, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar, Scalar]:
+    """(normal x, normal y, distance [m]) of the side of a box that (x, y) is beyond; no distance inside it."""
+    dx, dy = box.gap(x, y)
+    far = sqrt(dx * dx + dy * dy)
+    return dx / (far + TINY), dy / (far + TINY), far
+
+
+def side_of_point(x: Scalar, y: Scalar) -> tuple[Scalar, Scalar, Scalar]:
+    """(normal x, normal y, distance [m]) of what stands at the origin, seen from (x, y)."""
+    far = sqrt(x * x + y * y)
+    return x / (far + TINY), y / (far + TINY), far
+
+
+def uav_faces(
+    contract: Contract,
+    stop: UavStop,
+    arena: Arena,
+    uav: UavState,
+    tube: UavTube,
+    ugvs: tuple[tuple[UgvStop, UgvState, UgvTube], ...],
+) -> list[Face]:
+    """All that the UAV must stay clear of."""
+    x, y, z = uav.position.x, uav.position.y, uav.position.z
+    faces = []
+    for nx, ny, gap in wall_faces(arena, x, y, stop.radius):
+        room = gap - tube.error - tube.advance(-nx, -ny)
+        faces.append(Face(nx, ny, 0.0, gap, room, Reason.WALL))
+    low = z - stop.half_height
+    sink = tube.error_up + tube.sink()
+    faces.append(Face(0.0, 0.0, 1.0, low, low - sink, Reason.FLOOR))
+    high = arena.ceiling - z - stop.half_height
+    faces.append(Face(0.0, 0.0, -1.0, high, high - tube.error_up - tube.rise(), Reason.CEILING))
+    for obstacle in arena.obstacles:
+        nx, ny, far = side_of_box(obstacle.footprint, x, y)
+        gap = far - stop.radius
+        room = gap - tube.error - tube.advance(-nx, -ny)
+        above = low - obstacle.height
+        faces.append(_side_or_top(nx, ny, gap, room, above, above - sink, Reason.OBSTACLE))
+    for ugv_stop, ugv, ugv_tube in ugvs:
+        nx, ny, far = side_of_point(x - ugv.x, y - ugv.y)
+        gap = far - stop.radius - ugv_stop.radius
+        room = gap - tube.error - contract.position_error - tube.advance(-nx, -ny) - ugv_tube.advance(nx, ny)
+        above = low - ugv_stop.height
+        faces.append(_side_or_top(nx, ny, gap, room, above, above - sink, Reason.VEHICLE))
+    return faces
+
+
+def _side_or_top(
+    nx: Scalar, ny: Scalar, gap: Scalar, room: Scalar, above: Scalar, room_above: Scalar, reason: Reason
+) -> Face:
+    """Beside or above is enough: the roomier of the two."""
+    over = room_above > room
+    return Face(
+        where(over, 0.0 * nx, nx),
+        where(over, 0.0 * ny, ny),
+        where(over, 1.0 + 0.0 * nx, 0.0 * nx),
+        maximum(gap, above),
+        maximum(room, room_above),
+        reason,
+    )
+
+
+def ugv_faces(
+    contract: Contract,
+    stop: UgvStop,
+    arena: Arena,
+    ugv: UgvState,
+    others: tuple[tuple[UgvStop, UgvState, UgvTube], ...],
+    uav: tuple[UavStop, UavState, UavTube],
+) -> list[Face]:
+    """All that a UGV must stay clear of; the room does not yet count its own way, which its command decides."""
+    faces = []
+    error = contract.position_error
+    for nx, ny, gap in wall_faces(arena, ugv.x, ugv.y, stop.radius):
+        faces.append(Face(nx, ny, 0.0, gap, gap - error, Reason.WALL))
+    for obstacle in arena.obstacles:
+        nx, ny, far = side_of_box(obstacle.footprint, ugv.x, ugv.y)
+        gap = far - stop.radius
+        faces.append(Face(nx, ny, 0.0, gap, gap - error, Reason.OBSTACLE))
+    for other_stop, other, tube in others:
+        nx, ny, far = side_of_point(ugv.x - other.x, ugv.y - other.y)
+        gap = far - stop.radius - other_stop.radius
+        room = gap - 2.0 * error - tube.advance(nx, ny)
+        faces.append(Face(nx, ny, 0.0, gap, room, Reason.VEHICLE))
+    uav_stop, state, uav_tube = uav
+    nx, ny, far = side_of_point(ugv.x - state.position.x, ugv.y - state.position.y)
+    gap = far - stop.radius - uav_stop.radius
+    room = gap - error - uav_tube.error - uav_tube.advance(nx, ny)
+    above = state.position.z - uav_stop.half_height - stop.height
+    safely = above - uav_tube.error_up - uav_tube.sink() >= 0.0
+    room = where(safely, 0.0 * room + FREE, room)
+    faces.append(Face(nx, ny, 0.0, maximum(gap, above), room, Reason.VEHICLE))
+    return faces
