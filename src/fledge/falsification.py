@@ -37,7 +37,7 @@ BREACH = 0.5
 """[m] the paper's margin about a vehicle's centre; coming nearer is a breach."""
 LEFT = 0.5
 """[m] a vehicle that moved so far in its retreat was no prisoner."""
-ROOMY = (0.3, 0.15)
+ROOMY = (0.3, 0.2)
 """[m] free hull to hull that a way out must have for the UAV, and for a UGV: what a stop at a crawl needs."""
 MOST_OBSTACLES = 10
 PASSAGE = 1.6
@@ -334,14 +334,14 @@ def fly_scenario(setting: Arenas, scenario: Scenario, seed: Any) -> Outcome:
 
     ticks = jnp.arange(ATTACK_TICKS, dtype=float)
     flying, attacked = jax.lax.scan(attack, flying, (ticks, keys))
-    away, exists = _way_out(rig, scenario, flying.world)
+    away, exists = _way_out(rig, scenario, flying.world, Vec3(1.0, 0.0, 0.0))
     start = _place(flying.world, scenario.focus)
 
     def leave(carry: tuple[Flying, Any, Any, Any], tick: Any) -> tuple[Any, Any]:
         flying, away, exists, gone = carry
         again = (tick % 50.0) == 0.0
         new, there = jax.lax.cond(
-            again, lambda: _way_out(rig, scenario, flying.world), lambda: (away, exists)
+            again, lambda: _way_out(rig, scenario, flying.world, away), lambda: (away, exists)
         )
         told = _led(rig, scenario, flying.world, new)
         flying, row, _ = _tick(setting, rig, scenario, flying, told, tick + ATTACK_TICKS)
@@ -509,8 +509,8 @@ def _place(world: WorldState, focus: Scalar) -> Vec3:
     return place
 
 
-def _way_out(rig: Rig, scenario: Scenario, world: WorldState) -> tuple[Vec3, Scalar]:
-    """(the direction with most room for the vehicle in focus, whether that is room enough)."""
+def _way_out(rig: Rig, scenario: Scenario, world: WorldState, last: Vec3) -> tuple[Vec3, Scalar]:
+    """(the direction with most room for the vehicle in focus, whether that is room enough); the last if it still will do."""
     angles = np.linspace(0.0, 2.0 * np.pi, 16, endpoint=False)
     ways = np.stack([np.cos(angles), np.sin(angles), np.zeros(16)], axis=1)
     ways = np.concatenate([ways, [[0.0, 0.0, 1.0], [0.0, 0.0, -1.0]]])
@@ -528,10 +528,12 @@ def _way_out(rig: Rig, scenario: Scenario, world: WorldState) -> tuple[Vec3, Sca
         # Along the floor there is no up.
         return where((scenario.focus > 0.0) & (way[2] != 0.0), -1.0, least)
 
-    rooms = jax.vmap(room)(jnp.asarray(ways))
-    best = jnp.argmax(rooms)
+    choice = jnp.concatenate([jnp.asarray(ways), jnp.stack([last.x, last.y, last.z])[None]])
+    rooms = jax.vmap(room)(choice)
     needed = where(scenario.focus > 0.0, ROOMY[1], ROOMY[0])
-    way = jnp.asarray(ways)[best]
+    # Whoever dithers between two good ways gets nowhere.
+    best = where(rooms[-1] > needed, len(ways), jnp.argmax(rooms[:-1]))
+    way = choice[best]
     return Vec3(way[0], way[1], way[2]), rooms[best] > needed
 
 
