@@ -3,9 +3,21 @@
 from fledge.safety.base import AbstractNet
 from fledge.safety.contract import Contract, UavStop, UgvStop
 from fledge.safety.none import NoNet
+from fledge.safety.paper import PaperNet
+from fledge.safety.paper_repaired import RepairedPaperNet
 from fledge.safety.stop_tube import StopTube
 
-NETS = (NoNet(), StopTube())
+NETS = (NoNet(), PaperNet(), RepairedPaperNet(), StopTube())
 """The shipped nets, for menus and for laws that every net must obey."""
 
-__all__ = ["NETS", "AbstractNet", "Contract", "NoNet", "StopTube", "UavStop", "UgvStop"]
+__all__ = [
+    "NETS",
+    "AbstractNet",
+    "Contract",
+    "NoNet",
+    "PaperNet",
+    "RepairedPaperNet",
+    "StopTube",
+    "UavStop",
+    "UgvStop",
+]

@@ -84,6 +84,8 @@ class StopTube(AbstractNet):
     retreat: float = 0.2  # [m/s] at which a hold point moves out of where there is no room
     lead: float = 0.25  # [m] it may be ahead of the UAV
     outwards: float = 0.15  # [m/s] a command must lead out with; above the drift that the contract allows
+    scale: float = 1.0
+    """Share of the proven margin that is kept; less than 1 is for measuring how much of it is needed."""
 
     def init(self, arena: Arena, world: WorldState) -> Memory:
         """Nothing was sent yet."""
@@ -104,6 +106,7 @@ class StopTube(AbstractNet):
         ]
         around = tuple(zip(self.ugvs, world.ugvs, committed, strict=True))
         faces = uav_faces(self.contract, self.uav, memory.arena, world.uav, tube, around)
+        faces = [face._replace(room=self._kept(face, face.room)) for face in faces]
         uav, verdict = self._uav(memory.uav, world, commands.uav, tube, faces)
         tube = self._uav_committed(tube, verdict.command, world.uav)
         remembered, verdicts = [], [verdict]
@@ -118,6 +121,9 @@ class StopTube(AbstractNet):
             remembered.append(one)
             verdicts.append(verdict)
         return Memory(memory.arena, uav, tuple(remembered)), tuple(verdicts)
+
+    def _kept(self, face: Face, room: Scalar) -> Scalar:
+        return room if self.scale == 1.0 else face.gap - self.scale * (face.gap - room)
 
     def _fresh(self, age: Scalar) -> Scalar:
         return (age >= -self.contract.period) & (age <= self.contract.age + 0.5 * self.contract.period)
@@ -236,7 +242,7 @@ class StopTube(AbstractNet):
         """Whether a command leaves room before every face, or does not lead nearer where there is none."""
         free, tightest, gap = True, faces[0], faces[0].gap
         for face in faces:
-            left = face.room - tube.advance(-face.x, -face.y)
+            left = self._kept(face, face.room - tube.advance(-face.x, -face.y))
             nearer = tube._replace(
                 ahead=maximum(forward, 0.0), astern=maximum(-forward, 0.0)
             ).advance(-face.x, -face.y)

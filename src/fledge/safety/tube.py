@@ -141,13 +141,15 @@ def uav_tube(
         T = contract.period
         return Vec3(dx + T * x, dy + T * y, up + stop.followed_up * fz + T * z)
 
-    measured = contract.position_error + stop.hold
+    # A stop ends beyond its point by `side`, or is pushed off the point it holds by `hold`; never by both.
     side = stop.speed * contract.velocity_error + stop.tilt * contract.angle_error
     side = side + stop.rate * contract.rate_error + stop.error
     height = stop.speed_up * contract.velocity_error + stop.error_up
+    error = contract.position_error + max(stop.hold, side)
+    error_up = contract.position_error + max(stop.hold, height)
     since = age / contract.period
     late = since + contract.latency / contract.period
-    return UavTube(rest(since), rest(late), measured + side, measured + height)
+    return UavTube(rest(since), rest(late), error, error_up)
 
 
 def ugv_tube(
