@@ -42,9 +42,7 @@ def steps(world: WorldState, commands: Commands, period: float) -> Iterator[Step
         yield _step(ugv.x, ugv.y, Heading.of(ugv.heading), told, 0.0, period)
 
 
-def _step(
-    x: Scalar, y: Scalar, heading: Heading, told: VelocityCommand, left: Scalar, period: float
-) -> Step:
+def _step(x: Scalar, y: Scalar, heading: Heading, told: VelocityCommand, left: Scalar, period: float) -> Step:
     vx, vy = heading.to_world(told.forward, left)
     return Step(x, y, x + vx * period, y + vy * period, told)
 
@@ -103,5 +101,8 @@ class PaperNet(AbstractNet):
         """The same margin "at four boundaries of the testing area"."""
         xi = self.margin
         return (
-            (x - xi < bounds.x_min) | (x + xi > bounds.x_max) | (y - xi < bounds.y_min) | (y + xi > bounds.y_max)
+            (x - xi < bounds.x_min)
+            | (x + xi > bounds.x_max)
+            | (y - xi < bounds.y_min)
+            | (y + xi > bounds.y_max)
         )

@@ -40,7 +40,8 @@ class RepairedPaperNet(AbstractNet):
         """Every vehicle on its own."""
         vehicles = zip((world.uav, *world.ugvs), steps(world, commands, self.period), strict=True)
         return memory, tuple(
-            self._judge(memory, step, known(vehicle) & known(step) & isfinite(world.t)) for vehicle, step in vehicles
+            self._judge(memory, step, known(vehicle) & known(step) & isfinite(world.t))
+            for vehicle, step in vehicles
         )
 
     def _judge(self, arena: Arena, step: Step, known: Scalar) -> Verdict:
