@@ -13,8 +13,8 @@ from fledge.clearance import Nearest
 from fledge.dynamics import Pioneer
 from fledge.geometry import Heading, Vec3
 from fledge.observation import StickScale
-from fledge.scalars import Scalar, atan2, clip, cos, sin, sqrt, where
-from fledge.world import Arena, Commands, VelocityCommand, WorldState
+from fledge.scalars import Scalar, atan2, clip, cos, sqrt, where
+from fledge.world import Arena, Commands, UgvState, VelocityCommand, WorldState
 
 SEGMENTS = 8
 """Of a script: what the searching adversary writes."""
@@ -204,7 +204,9 @@ class Attacker:
         near = sight.near
         anew = chance.odds < self.period / nature.pace
         keep = 1.0 - self.period / nature.pace
-        fleeing = where(near.gap < nature.trigger, 1.0, where(near.gap > nature.trigger + 0.7, 0.0, mood.fleeing))
+        fleeing = where(
+            near.gap < nature.trigger, 1.0, where(near.gap > nature.trigger + 0.7, 0.0, mood.fleeing)
+        )
         return Mood(
             where(anew, chance.uniform, mood.held),
             mood.drift * keep + chance.normal * sqrt(1.0 - keep * keep),
@@ -216,7 +218,10 @@ class Attacker:
         forward, left = world.uav.attitude.heading().from_world(want.x, want.y)
         s = self.sticks
         return VelocityCommand(
-            s.horizontal * _full(forward), s.horizontal * _full(left), s.vertical * _full(want.z), nature.stuck.z
+            s.horizontal * _full(forward),
+            s.horizontal * _full(left),
+            s.vertical * _full(want.z),
+            nature.stuck.z,
         )
 
     @staticmethod
@@ -241,14 +246,14 @@ def _chosen(nature: Nature, mood: Mood, sight: Sight, chance: Chance) -> Vec3:
     return wanted
 
 
-def drive(model: Pioneer, ugv: object, want: Vec3, raw: Scalar = False) -> VelocityCommand:
-    """A UGV's command for a direction (shares of full speed, nose or tail first), or for (speed, turn rate) directly."""
-    nose = Heading.of(ugv.heading)  # pyright: ignore
+def drive(model: Pioneer, ugv: UgvState, want: Vec3, raw: Scalar = False) -> VelocityCommand:
+    """A UGV's command for a direction, nose or tail first; if raw, for (speed, turn rate). In shares of full."""
+    nose = Heading.of(ugv.heading)
     along, across = nose.from_world(want.x, want.y)
     way = where(along >= 0.0, 1.0, -1.0)
     error = atan2(way * across, way * along + 1e-9)
     size = sqrt(want.x * want.x + want.y * want.y)
-    zero = 0.0 * ugv.heading  # pyright: ignore
+    zero = 0.0 * ugv.heading
     forward = where(raw, want.x, way * size * cos(error))
     turn = where(raw, want.y * model.max_turn_rate, 4.0 * error)
     return VelocityCommand(forward * model.max_speed, zero, zero, turn)

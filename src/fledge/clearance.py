@@ -28,7 +28,16 @@ def clearances(
     arena: Arena, world: WorldState, uav: Quadrotor, fleet: tuple[Pioneer, ...]
 ) -> tuple[Nearest, ...]:
     """The nearest thing of every vehicle: the UAV's first, then the UGVs'."""
-    return _of_uav(arena, world, uav, fleet), *(_of_ugv(arena, world, uav, fleet, i) for i in range(len(fleet)))
+    return tuple(clearance(arena, world, uav, fleet, i) for i in range(1 + len(fleet)))
+
+
+def clearance(
+    arena: Arena, world: WorldState, uav: Quadrotor, fleet: tuple[Pioneer, ...], vehicle: int
+) -> Nearest:
+    """The nearest thing of one vehicle; 0 is the UAV."""
+    if vehicle == 0:
+        return _of_uav(arena, world, uav, fleet)
+    return _of_ugv(arena, world, uav, fleet, vehicle - 1)
 
 
 def _of_uav(arena: Arena, world: WorldState, uav: Quadrotor, fleet: tuple[Pioneer, ...]) -> Nearest:
@@ -42,15 +51,11 @@ def _of_uav(arena: Arena, world: WorldState, uav: Quadrotor, fleet: tuple[Pionee
         nearest = _nearer(nearest, _beside_or_above(dx, dy, uav.radius, low - obstacle.height))
     for ugv, model in zip(world.ugvs, fleet, strict=True):
         reach = uav.radius + model.radius
-        nearest = _nearer(
-            nearest, _beside_or_above(p.x - ugv.x, p.y - ugv.y, reach, low - model.height)
-        )
+        nearest = _nearer(nearest, _beside_or_above(p.x - ugv.x, p.y - ugv.y, reach, low - model.height))
     return nearest
 
 
-def _of_ugv(
-    arena: Arena, world: WorldState, uav: Quadrotor, fleet: tuple[Pioneer, ...], i: int
-) -> Nearest:
+def _of_ugv(arena: Arena, world: WorldState, uav: Quadrotor, fleet: tuple[Pioneer, ...], i: int) -> Nearest:
     me, radius, zero = world.ugvs[i], fleet[i].radius, 0.0 * world.ugvs[i].x
     nearest = _walls(arena, me.x, me.y, radius)
     for obstacle in arena.obstacles:
