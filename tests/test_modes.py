@@ -1,6 +1,6 @@
 """The table of modes: every mode against every combination of triggers that can occur."""
 
-from itertools import product
+from itertools import combinations, product
 
 import numpy as np
 import pytest
@@ -103,6 +103,46 @@ def test_the_first_row_that_fits_decides(mode):
         fits = (row for row in TABLE if mode in row.modes and all(ALL[trigger][i] for trigger in row.when))
         row = next(fits, None)
         assert AFTER[mode][0][i] == (mode if row is None else row.to)
+
+
+WEIGHT = (
+    (T.TERMINATE,),
+    (T.ON_GROUND, T.DISARM),
+    (T.LAND,),
+    (T.LINK_LOST,),
+    (T.SWITCH,),
+    GRADES,
+    (T.STOP,),
+    GRADES[:3],
+    GRADES[:2],
+    GRADES[:1],
+    (T.STICKS, T.HEARD_OUT),
+    (T.HAND_BACK,),
+    (T.CALM, T.DISARM),
+    (T.LASTED,),
+    (T.HELD_BACK,),
+    (T.QUIET,),
+)
+"""What outranks what, in every mode: people's orders, the worst alarms, hands on the sticks, then the usual course."""
+
+
+@pytest.mark.parametrize("mode", Mode)
+def test_of_two_things_at_once_the_weightier_decides(mode):
+    def after(*triggers: Trigger) -> tuple[float, float]:
+        return advance(TABLE, (float(mode), BEFORE), {t: t in triggers for t in Trigger}, ALARM)
+
+    moving = [triggers for triggers in WEIGHT if after(*triggers) != (mode, BEFORE)]
+    for heavy, light in combinations(moving, 2):
+        assert after(*heavy, *light) == after(*heavy), (heavy, light)
+
+
+@pytest.mark.parametrize(
+    "alarm, to", ((None, Mode.AUTO), (T.SWITCH, Mode.MANUAL), (T.ALARM_BRAKE, Mode.INIT))
+)
+def test_armed_is_for_the_policy_unless_a_person_or_an_alarm_stands_against_it(alarm, to):
+    set_now = {T.ARM, alarm} | ({T.SWITCH} if alarm else set())
+    triggers = {trigger: trigger in set_now for trigger in Trigger}
+    assert advance(TABLE, (float(Mode.READY), BEFORE), triggers, ALARM)[0] == to
 
 
 @pytest.mark.parametrize("mode", Mode)

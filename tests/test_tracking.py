@@ -167,7 +167,7 @@ def test_who_never_stays_is_never_believed_elsewhere():
 
 
 def test_after_a_gap_a_vehicle_may_be_as_far_as_it_can_go():
-    reach = TRACKER.fastest * 0.4 + 3.0 * TRACKER.position_error
+    reach = TRACKER.fastest * 0.4 + 3.0 * TRACKER.contract.position_error
     for far, dropped in ((0.99 * reach, 0), (1.01 * reach, Reason.JUMP)):
         stream = Stream(uav(0.0))
         assert stream.feed(0.4, uav(0.4, x=far))[0].dropped == dropped
@@ -226,8 +226,8 @@ def test_within_the_errors_that_are_allowed_nothing_is_dropped(seed):
     """Noisy positions, a velocity that is wrong by as much as it may be, always the same way, samples missing."""
     rng = np.random.default_rng(seed)
     places, velocities = wandering(rng)
-    places = places + of_length(rng, TRACKER.position_error)
-    velocities = velocities + of_length(rng, TRACKER.velocity_error)[0]
+    places = places + of_length(rng, TRACKER.contract.position_error)
+    velocities = velocities + of_length(rng, TRACKER.contract.velocity_error)[0]
     kept = rng.uniform(size=len(TIMES)) < rng.uniform(0.3, 1.0)
     samples = [
         uav(t, *p, velocity=Vec3(*v))

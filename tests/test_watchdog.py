@@ -7,6 +7,7 @@ import pytest
 
 from fledge.geometry import Quat, Vec3
 from fledge.inputs import HOVER, Inputs, Operator
+from fledge.safety import Contract
 from fledge.tracking import LEAD, Tracker
 from fledge.watchdog import TICK, Alarm, Severity, Watchdog
 from fledge.world import Commands, Reason, UavState, UgvState, VelocityCommand, WorldState
@@ -177,7 +178,9 @@ def test_the_worst_counts_and_among_equals_the_pose():
 
 
 def test_limits_are_parameters():
-    patient = Watchdog(Tracker(fastest=300.0, velocity_error=10.0), poses=((1.0, Severity.LAND),), low=0.0)
+    patient = Watchdog(
+        Tracker(Contract(velocity_error=10.0), fastest=300.0), poses=((1.0, Severity.LAND),), low=0.0
+    )
     memory = patient.init(world(0.0))
     _, _, alarms = patient.check(memory, inputs(world(0.01, x=2.0), batteries=(0.1, 0.1)))
     assert alarms == (OK, OK)

@@ -6,23 +6,25 @@ The watchdog says what may be believed, the table of modes who flies, layer one 
 
 | mode | command | through the net |
 |---|---|---|
-| AUTO, SHIELDED | the policy's; zero velocity while an alarm says "brake" | yes |
+| AUTO, SHIELDED | the policy's; none while an alarm says "brake" | yes |
 | RECOVER | from the last command sent to the policy's, faded over `settle` | yes |
-| HOLD, STOPPED | zero velocity, which an AR.Drone takes for its own hover | yes |
+| HOLD, STOPPED | none | yes |
 | MANUAL | the person's | yes, unless the dead-man switch is held |
-| LAND | straight down at `descent` | no |
-| INIT, READY, TERMINATED | zero velocity | no |
+| LAND | straight down at `descent` | yes, but for the floor |
+| INIT, READY, TERMINATED | none | no |
 
-Two exceptions, for one reason: a net that does not see must not steer. A vehicle whose pose is older than the net is
-built for gets its command unfiltered, which then is zero velocity, unless a person flies. And a landing is not filtered
-at all: a net guards the floor, too, and a blind one would keep the vehicle in the air until its battery decides. The
-zero velocity across with which it comes down is the very brake for which the net has kept room.
+No command is for the net to answer, which brakes and holds a point; where there is no net it is zero velocity.
+
+A net that does not see must not steer: a vehicle whose pose is older than the net is built for gets its command as it
+is, unless a person flies. Whatever the net did not say itself it is told (`AbstractNet.overruled`), since the room that
+it keeps is for stopping from what was really sent.
 
 Nothing here reads a clock: timers are differences of the times that come in. What a mode means for motors (off in INIT,
 READY and TERMINATED) is for the link to the vehicle.
 """
 
 from dataclasses import dataclass, field
+from math import nan
 from typing import Any
 
 from fledge.inputs import HOVER, Inputs, Operator, finite, said, sane
@@ -33,8 +35,13 @@ from fledge.tracking import LEAD
 from fledge.watchdog import Alarm, Severity, Watch, Watchdog
 from fledge.world import Arena, Commands, Reason, VelocityCommand, Verdict, WorldState
 
+IDLE = (Mode.INIT, Mode.READY, Mode.TERMINATED)
+
 LONG_AGO = 1e3
 """[s] before the flight: when everything that has not happened yet happened last."""
+
+NOTHING = VelocityCommand(nan, nan, nan, nan)
+"""No command: a net that steers brakes, and holds."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +61,7 @@ class Post:
     at_rest: Scalar
     """When the sticks were last near their middle [s]."""
     free: Scalar
-    """Whether the net had nothing against the last command; a flag."""
+    """Whether the net had nothing against a person's last command; a flag."""
     origin: VelocityCommand
     """The last command sent; in RECOVER, the last one sent before it."""
 
@@ -130,10 +137,11 @@ class Supervisor:
         situations = self._situations(world, alarms, inputs)
         posts = [self._post(*pair) for pair in zip(memory.posts, situations, strict=True)]
         wanted = [self._wanted(*pair) for pair in zip(posts, situations, strict=True)]
-        uav, *ugvs = wanted
-        net, verdicts = self.net.filter(memory.net, world, Commands(uav, tuple(ugvs)))
+        net, verdicts = self.net.filter(memory.net, world, _commands(wanted))
         done = [self._decide(*vehicle) for vehicle in zip(posts, situations, wanted, verdicts, strict=True)]
-        return Memory(watch, net, tuple(post for post, _ in done)), tuple(decision for _, decision in done)
+        net = self.net.overruled(net, world, _commands([instead for _, _, instead in done]))
+        kept, decisions = tuple(post for post, _, _ in done), tuple(decision for _, decision, _ in done)
+        return Memory(watch, net, kept), decisions
 
     def _situations(
         self, world: WorldState, alarms: tuple[Alarm, ...], inputs: Inputs
@@ -207,24 +215,26 @@ class Supervisor:
         """What the vehicle is to do, before the net has a look."""
         share = clip((s.now - post.since) / self.settle, 0.0, 1.0)
         faded = post.origin.scaled(1.0 - share) + s.proposed.scaled(share)
-        wanted = where(_in(post, Mode.LAND), s.descent, HOVER)
+        wanted = where(_in(post, Mode.LAND), s.descent, NOTHING)
         wanted = where(_in(post, Mode.MANUAL) & sane(s.operator), s.operator.command, wanted)
         wanted = where(_in(post, Mode.RECOVER), faded, wanted)
         return where(_in(post, Mode.AUTO, Mode.SHIELDED) & negate(s.braking), s.proposed, wanted)
 
     def _decide(
         self, post: Post, s: Situation, wanted: VelocityCommand, net: Verdict
-    ) -> tuple[Post, Decision]:
-        """What is sent, and why; and what is remembered of it."""
+    ) -> tuple[Post, Decision, VelocityCommand]:
+        """(what is remembered, what is sent and why, what of it is not the net's)."""
         manual, policy = _in(post, Mode.MANUAL), _in(post, Mode.AUTO, Mode.SHIELDED)
-        idle = _in(post, Mode.INIT, Mode.READY, Mode.LAND, Mode.TERMINATED)
-        alone = idle | where(manual, said(s.operator.dead_man), s.blind)
-        sent = where(alone, wanted, net.command)
+        alone = where(manual, said(s.operator.dead_man), s.blind) | _in(post, *IDLE)
+        # A landing is held back by whatever is below, but for the floor.
+        alone = alone | (_in(post, Mode.LAND) & (net.reason == float(Reason.FLOOR)))
+        mute = negate(alone) & negate(finite(net.command))
         filtered = negate(alone) & negate(net.intervened <= 0.5)
         braking = policy & s.braking
-        broken = negate(finite(sent)) | (manual & negate(sane(s.operator)))
+        broken = (mute & finite(wanted)) | (manual & negate(sane(s.operator)))
         reason = where((policy | manual) & filtered, net.reason, post.reason)
         reason = where(broken, float(Reason.NOT_FINITE), where(braking, s.alarm.reason, reason))
+        sent = where(alone, wanted, net.command)
         sent = where(finite(sent), sent, HOVER)
         held_back = filtered | braking | broken
         kept = Post(
@@ -234,11 +244,17 @@ class Supervisor:
             post.alarmed,
             where(policy & held_back, s.now, post.held_back),
             post.at_rest,
-            where(net.intervened <= 0.5, 1.0, 0.0),
+            where(manual & negate(net.intervened <= 0.5), 0.0, 1.0),
             where(_in(post, Mode.RECOVER), post.origin, sent),
         )
         intervened = where(policy & negate(held_back), 0.0, 1.0)
-        return kept, Decision(post.mode, Verdict(sent, intervened, reason, net.clearance), s.alarm)
+        decision = Decision(post.mode, Verdict(sent, intervened, reason, net.clearance), s.alarm)
+        return kept, decision, where(alone | mute, sent, NOTHING)
+
+
+def _commands(each: list[VelocityCommand]) -> Commands:
+    uav, *ugvs = each
+    return Commands(uav, tuple(ugvs))
 
 
 def _in(post: Post, *modes: Mode) -> Scalar:

@@ -19,12 +19,13 @@ What it cannot see: a slow bias, axes flipped from the start, anything about whi
 NaN passes no comparison: conditions say what is good, never what is bad.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import combinations
 from math import inf
 from typing import Any
 
-from fledge.geometry import Heading, Vec3
+from fledge.geometry import Heading, Quat, Vec3
+from fledge.safety.contract import Contract
 from fledge.scalars import Scalar, maximum, negate, where
 from fledge.world import Reason, UavState, UgvState, WorldState
 
@@ -110,11 +111,11 @@ class Sight:
 class Tracker:
     """Limits of what a vehicle can do, and a pose be wrong by."""
 
+    contract: Contract = Contract()
+    """Whose errors of position and velocity a pose may have."""
     far: float = 100.0  # [m] from the origin: farther off is a slip of units; chosen
     fastest: float = 5.0  # [m/s]; chosen: 2 m/s along both axes, and the overshoot that the UAV can have
     wild: float = 50.0  # [m/s, rad/s]: a velocity or rate beyond it is none; chosen
-    position_error: float = 0.02  # [m]; what the nets are built for
-    velocity_error: float = 0.1  # [m/s]; likewise
     window: float = 0.5  # [s]; chosen: shorter sees less, longer takes longer
     gap: float = 0.1  # [s]; chosen: beyond it, two velocities say little of what was in between
     patience: float = 1.0  # [s]; chosen
@@ -125,7 +126,7 @@ class Tracker:
 
     def _begin(self, state: VehicleState) -> Track:
         possible = self._possible(state)
-        trusted = where(possible, state, replace(state, stamp=-inf))
+        trusted = where(possible, state, _unknown(state))
         latest = where(possible, Motion.of(state), Motion(NOWHERE, NOWHERE, -inf))
         return Track(trusted, latest, NOWHERE, NOWHERE, trusted.stamp, 0.0)
 
@@ -144,7 +145,7 @@ class Tracker:
     def _compare(self, track: Track, state: VehicleState, now: Scalar) -> News:
         sample, last = Motion.of(state), track.latest
         dt, moved = sample.stamp - last.stamp, sample.position - last.position
-        way, reach = _squared(moved), self.fastest * dt + 3.0 * self.position_error
+        way, reach = _squared(moved), self.fastest * dt + 3.0 * self.contract.position_error
         # The same sample once more is no fault: nothing new has come, and that shows as age.
         fault = where((dt == 0.0) & (way > 0.0), float(Reason.DUPLICATE), 0.0)
         fault = where(dt < 0.0, float(Reason.BACKWARD), fault)
@@ -176,7 +177,7 @@ class Tracker:
         stayed = fresh & (new.motion.stamp - jumped >= self.patience)
         lost = where(back | stayed, 0.0, away)
         strain = where(fresh, self._strain(track, new), track.strain)
-        limit = self.velocity_error * self.window + 3.0 * self.position_error
+        limit = self.contract.velocity_error * self.window + 3.0 * self.contract.position_error
         sight = Sight(
             where(new.fault > 0.0, new.fault, lost),
             where(stayed & negate(back), away, 0.0),
@@ -198,6 +199,13 @@ class Tracker:
         gone = new.moved - (track.latest.velocity + new.motion.velocity) * (0.5 * dt)
         strain = track.strain + where(dt <= self.gap, gone, NOWHERE)
         return where(new.jumped, NOWHERE, strain * (self.window / (self.window + dt)))
+
+
+def _unknown(state: VehicleState) -> VehicleState:
+    """A pose of this kind that nobody ever saw; of numbers, lest a net remember nonsense."""
+    if isinstance(state, UgvState):
+        return UgvState(0.0, 0.0, 0.0, 0.0, 0.0, -inf)
+    return UavState(NOWHERE, NOWHERE, Quat(1.0, 0.0, 0.0, 0.0), NOWHERE, -inf)
 
 
 def _swapped(tracks: tuple[Track, ...], news: list[News]) -> list[Scalar]:

@@ -20,4 +20,11 @@ class AbstractNet(ABC):
 
     @abstractmethod
     def filter(self, memory: Any, world: WorldState, commands: Commands) -> tuple[Any, tuple[Verdict, ...]]:
-        """(memory, verdicts): the UAV's verdict first, then one per UGV. Called at 100 Hz."""
+        """(memory, verdicts): the UAV's verdict first, then one per UGV. Called at 100 Hz.
+
+        A command that is no number asks for nothing: a net that steers brakes and holds.
+        """
+
+    def overruled(self, memory: Any, world: WorldState, instead: Commands) -> Any:
+        """The memory once other commands were sent than the last verdicts'; NaN where the verdict's was sent."""
+        return memory
