@@ -15,7 +15,7 @@ from fledge.observation import OBSERVATION_NAMES, ROW_RATE, Action, Axes, observ
 from fledge.pilots import HumanModel, Servo
 from fledge.pilots.base import AbstractPilot
 from fledge.policy import Policy
-from fledge.safety import AbstractNet
+from fledge.safety import NETS, AbstractNet
 from fledge.simulation import (
     STEP,
     STEPS_PER_TICK,
@@ -28,6 +28,7 @@ from fledge.simulation import (
     fly,
     fly_plain,
     fly_team,
+    register,
     start,
     take,
     traceable,
@@ -246,6 +247,13 @@ def test_a_nets_verdicts_are_columns_and_are_obeyed():
     assert np.ptp(episode.world.uav.position.x) < 1e-9
     # It is asked a hundred times a second; the row keeps the last of its five verdicts.
     np.testing.assert_array_equal(uav.clearance, TICKS_PER_ROW * np.arange(1, ROWS + 1))
+
+
+@pytest.mark.parametrize("net", NETS, ids=lambda net: type(net).__name__)
+def test_a_net_is_a_constant_to_the_compiler(net):
+    """Its numbers decide how much it remembers, and which way it goes."""
+    register(net)
+    assert jax.tree.leaves(net) == []
 
 
 def test_axes_not_in_use_are_not_flown():

@@ -419,18 +419,19 @@ def pytree(kind: type) -> type:
 
 
 def register(value: Any) -> None:
-    """Make every record in `value` a pytree; a stranger's object that is no record becomes a constant."""
+    """Make every record in `value` a pytree; a net becomes a constant, and a stranger's pilot that is no record."""
     if isinstance(value, tuple):
         for item in value:
             register(item)
+    elif isinstance(value, AbstractNet) or (isinstance(value, AbstractPilot) and not is_dataclass(value)):
+        if type(value) not in _registered:
+            jax.tree_util.register_static(type(value))
+            _registered.add(type(value))
     elif is_dataclass(value):
         pytree(type(value))
         for field in fields(value):
             if not field.metadata.get("static"):
                 register(getattr(value, field.name))
-    elif isinstance(value, (AbstractPilot, AbstractNet)) and type(value) not in _registered:
-        jax.tree_util.register_static(type(value))
-        _registered.add(type(value))
 
 
 for _record in (Episode, Action, Commands, Verdict, FlightState):
