@@ -51,13 +51,15 @@ class UavStop:
     tilt: float = 0.312  # [m/rad]
     rate: float = 0.0313  # [m s/rad]
     followed: float = 0.0255  # [s]
-    error: float = 0.06  # [m]
+    error: float = 0.07  # [m]
     speed_up: float = 0.338  # [s]
     followed_up: float = 0.046  # [s]
     error_up: float = 0.02  # [m]
     lag: float = 0.2  # [s] of the command filter, `dynamics.COMMAND_LAG`
-    hold: float = 0.1  # [m] how far the contract's disturbance pushes it off a point it holds
-    hold_over: float = 0.05  # [s] it goes on with the last command when the link is lost: the AR.Drone's watchdog
+    hold: float = 0.11  # [m] how far the contract's disturbance pushes it off a point it holds
+    hold_over: float = (
+        0.05  # [s] it goes on with the last command when the link is lost: the AR.Drone's watchdog
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +76,9 @@ class UgvStop:
     """Largest speed [m/s]."""
     most_turn: float
     """[rad/s]."""
-    hold_over: float = 0.6  # [s] it goes on with the last command when the link is lost: the Pioneer's watchdog
+    hold_over: float = (
+        0.6  # [s] it goes on with the last command when the link is lost: the Pioneer's watchdog
+    )
 
     @classmethod
     def of(cls, model: Pioneer) -> "UgvStop":

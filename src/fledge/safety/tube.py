@@ -98,6 +98,10 @@ class Sent(NamedTuple):
         old = self.newest[-1]
         return Sent((command, *self.newest[:-1]), self.before + (old - self.before) * share)
 
+    def instead(self, command: Scalar) -> "Sent":
+        """The newest command was this one."""
+        return Sent((command, *self.newest[1:]), self.before)
+
     def pending(self, periods: Scalar, share: float) -> tuple[Scalar, Scalar]:
         """(the sum of the commands of the last so many periods; what the filter follows before them)."""
         coming, followed = 0.0, self.before
@@ -290,7 +294,8 @@ def ugv_faces(
     gap = far - stop.radius - uav_stop.radius
     room = gap - error - uav_tube.error - uav_tube.advance(nx, ny)
     above = state.position.z - uav_stop.half_height - stop.height
-    safely = above - uav_tube.error_up - uav_tube.sink() >= 0.0
-    room = where(safely, 0.0 * room + FREE, room)
+    # To stay above is the UAV's own affair; it is a UGV's not to drive under one that is coming down.
+    over = above - error - uav_tube.sink() >= 0.0
+    room = where(over, 0.0 * room + FREE, room)
     faces.append(Face(nx, ny, 0.0, maximum(gap, above), room, Reason.VEHICLE))
     return faces

@@ -1,0 +1,274 @@
+"""Vehicles decide in turn, each against what the others have committed to: what the stop-tube nets share.
+
+The UAV decides first, then the UGVs in their order. A vehicle's commitment is its stop after the command it was sent
+last, so whoever decides later finds every earlier decision, and of those yet to decide the one before. All commitments
+are disjoint at every moment; that is the whole argument for several vehicles.
+
+A net says what is sent to one vehicle, given its faces (`Deciding`); here is the order, the memory, the braking and
+holding that every decision can fall back on, and the verdict.
+"""
+
+from typing import NamedTuple, Protocol
+
+from fledge.geometry import Vec3
+from fledge.safety.contract import Contract, UavStop, UgvStop
+from fledge.safety.tube import (
+    Face,
+    Sent,
+    UavTube,
+    UgvTube,
+    filter_share,
+    uav_faces,
+    uav_tube,
+    ugv_faces,
+    ugv_tube,
+)
+from fledge.scalars import Scalar, clip, isfinite, minimum, negate, where
+from fledge.world import Arena, Commands, Reason, UavState, UgvState, VelocityCommand, Verdict, WorldState
+
+SLOW = 0.3
+"""[m/s] at which a braking UAV begins to hold; above the drift that the contract allows."""
+PULL = 1.5
+"""[1/s] towards the point it holds; chosen, 60 degrees of phase margin."""
+RETREAT = 0.2
+"""[m/s] at which a hold point moves out of where there is no room."""
+LEAD = 0.25
+"""[m] it may be ahead of the UAV."""
+
+
+class UavMemory(NamedTuple):
+    """Of the UAV: what it was sent along the world's axes, and the point it holds."""
+
+    sent: tuple[Sent, Sent, Sent]
+    holding: Scalar
+    """1 while it holds a point."""
+    point: Vec3
+    """[m]."""
+
+
+class UgvMemory(NamedTuple):
+    """Of a UGV: what it was sent."""
+
+    sent: Sent
+    turn: Scalar
+    """[rad/s] last."""
+
+
+class Memory(NamedTuple):
+    """What a net remembers."""
+
+    arena: Arena
+    uav: UavMemory
+    ugvs: tuple[UgvMemory, ...]
+
+
+class UavTurn(NamedTuple):
+    """What the UAV's decision is made from."""
+
+    wanted: Vec3
+    """The proposed velocity in world axes, within what the UAV obeys [m/s]."""
+    known: Scalar
+    """Whether it is a number, and what is known of the UAV is fresh."""
+    faces: list[Face]
+    tightest: Face
+
+
+class UgvTurn(NamedTuple):
+    """What a UGV's decision is made from."""
+
+    forward: Scalar
+    """The proposed speed, within what the UGV obeys [m/s]."""
+    turn: Scalar
+    """[rad/s]."""
+    known: Scalar
+    """Whether they are numbers, and what is known of the UGV is fresh."""
+    faces: list[Face]
+    """Their room does not count the UGV's own way yet."""
+    stop: UgvTube
+    """Its way if it is told to stop now, turning as proposed."""
+    go: UgvTube
+    """Its way if it obeys the proposal."""
+
+
+class Deciding(Protocol):
+    """A net, as this module sees it."""
+
+    contract: Contract
+    uav: UavStop
+    ugvs: tuple[UgvStop, ...]
+
+    def decide_uav(self, turn: UavTurn) -> tuple[Scalar, Vec3]:
+        """(whether something may be sent, what: a velocity in world axes); else the UAV brakes and holds."""
+        ...
+
+    def decide_ugv(self, stop: UgvStop, turn: UgvTurn) -> tuple[Scalar, Scalar]:
+        """(whether something may be sent, what: a speed); else the UGV stops."""
+        ...
+
+
+def begin(net: Deciding, arena: Arena, world: WorldState) -> Memory:
+    """Nothing was sent yet."""
+    zero = 0.0 * world.t
+    still = Sent.nothing(net.contract, zero)
+    uav = UavMemory((still, still, still), zero, world.uav.position)
+    return Memory(arena, uav, tuple(UgvMemory(still, zero) for _ in world.ugvs))
+
+
+def in_turn(
+    net: Deciding, memory: Memory, world: WorldState, commands: Commands
+) -> tuple[Memory, tuple[Verdict, ...]]:
+    """(memory, verdicts), the UAV's first."""
+    tube = uav_tube(net.contract, net.uav, world.uav, memory.uav.sent, world.t - world.uav.stamp)
+    commitments = [
+        _commitment(net, stop, ugv, remembered, world.t)
+        for stop, ugv, remembered in zip(net.ugvs, world.ugvs, memory.ugvs, strict=True)
+    ]
+    around = tuple(zip(net.ugvs, world.ugvs, commitments, strict=True))
+    faces = uav_faces(net.contract, net.uav, memory.arena, world.uav, tube, around)
+    uav, tube, verdict = _uav(net, memory.uav, world, commands.uav, tube, faces)
+    remembered, verdicts = [], [verdict]
+    for i, stop in enumerate(net.ugvs):
+        others = [(net.ugvs[j], world.ugvs[j], commitments[j]) for j in range(len(net.ugvs)) if j != i]
+        faces = ugv_faces(
+            net.contract, stop, memory.arena, world.ugvs[i], tuple(others), (net.uav, world.uav, tube)
+        )
+        one, verdict = _ugv(net, stop, memory.ugvs[i], world.ugvs[i], world.t, commands.ugvs[i], faces)
+        commitments[i] = _commitment(net, stop, world.ugvs[i], one, world.t)
+        remembered.append(one)
+        verdicts.append(verdict)
+    return Memory(memory.arena, uav, tuple(remembered)), tuple(verdicts)
+
+
+def sent_instead(memory: Memory, world: WorldState, instead: Commands) -> Memory:
+    """What was really sent is what the next stop begins with; a UAV that was sent something else holds no point."""
+    c = instead.uav
+    x, y = world.uav.attitude.heading().to_world(c.forward, c.left)
+    axes = tuple(axis.instead(value) for axis, value in zip(memory.uav.sent, (x, y, c.up), strict=True))
+    adrift = UavMemory(axes, 0.0 * memory.uav.holding, memory.uav.point)
+    uav = where(isfinite(x + y + c.up + c.turn), adrift, memory.uav)
+    ugvs = tuple(
+        where(isfinite(c.forward + c.turn), UgvMemory(ugv.sent.instead(c.forward), c.turn), ugv)
+        for ugv, c in zip(memory.ugvs, instead.ugvs, strict=True)
+    )
+    return Memory(memory.arena, uav, ugvs)
+
+
+def _fresh(contract: Contract, age: Scalar) -> Scalar:
+    return (age >= -contract.period) & (age <= contract.age + 0.5 * contract.period)
+
+
+def _uav(
+    net: Deciding,
+    memory: UavMemory,
+    world: WorldState,
+    proposed: VelocityCommand,
+    tube: UavTube,
+    faces: list[Face],
+) -> tuple[UavMemory, UavTube, Verdict]:
+    """(memory, what the UAV is committed to now, verdict)."""
+    stop, age = net.uav, world.t - world.uav.stamp
+    heading = world.uav.attitude.heading()
+    forward, left = clip(proposed.forward, -stop.most, stop.most), clip(proposed.left, -stop.most, stop.most)
+    x, y = heading.to_world(forward, left)
+    wanted = Vec3(x, y, clip(proposed.up, -stop.most_up, stop.most_up))
+    number = isfinite(wanted.x + wanted.y + wanted.z + proposed.turn)
+    fresh = _fresh(net.contract, age)
+    tightest, gap = _tightest(faces)
+    passes, chosen = net.decide_uav(UavTurn(wanted, number & fresh, faces, tightest))
+    memory, held = _hold(net.contract, memory, world.uav, age, tube, tightest, passes)
+    velocity = where(passes, chosen, held)
+    forward_sent, left_sent = heading.from_world(velocity.x, velocity.y)
+    same = passes & (chosen.x == wanted.x) & (chosen.y == wanted.y) & (chosen.z == wanted.z)
+    zero = 0.0 * held.x
+    turn = where(passes, proposed.turn, zero)
+    sent = VelocityCommand(where(same, forward, forward_sent), where(same, left, left_sent), velocity.z, turn)
+    share = filter_share(net.contract, stop)
+    axes = tuple(
+        axis.then(value, share)
+        for axis, value in zip(memory.sent, (velocity.x, velocity.y, velocity.z), strict=True)
+    )
+    more = velocity * stop.hold_over
+    tube = tube._replace(early=tube.early + more, late=tube.late + more)
+    reason = where(number, where(fresh, tightest.reason, Reason.STALE), Reason.NOT_FINITE)
+    return memory._replace(sent=axes), tube, _verdict(proposed, sent, reason, gap)
+
+
+def _hold(
+    contract: Contract,
+    memory: UavMemory,
+    uav: UavState,
+    age: Scalar,
+    tube: UavTube,
+    tightest: Face,
+    passes: Scalar,
+) -> tuple[UavMemory, Vec3]:
+    """Brake; once slow, hold the point of rest. Where there is no room hold on at once, and move that point out."""
+    p, v = uav.position, uav.velocity
+    slow = v.x * v.x + v.y * v.y + v.z * v.z < SLOW * SLOW
+    tight = tightest.room < 0.0
+    already = memory.holding > 0.0
+    point = where(already, memory.point, where(tight, p, p + tube.late))
+    step = where(tight, RETREAT * contract.period, 0.0)
+    ahead = point + Vec3(tightest.x, tightest.y, tightest.z) * step - p
+    ahead = Vec3(clip(ahead.x, -LEAD, LEAD), clip(ahead.y, -LEAD, LEAD), clip(ahead.z, -LEAD, LEAD))
+    # What is not known, or too old, is nothing to hold by.
+    seen = isfinite(ahead.x + ahead.y + ahead.z) & (age <= 2.0 * contract.age)
+    holding = negate(passes) & (already | slow | tight) & seen
+    zero = 0.0 * memory.holding
+    known = isfinite(p.x + p.y + p.z)
+    memory = memory._replace(
+        holding=where(holding, 1.0 + zero, zero),
+        point=where(holding, p + ahead, where(known, p, memory.point)),
+    )
+    return memory, where(holding, ahead * PULL, Vec3(zero, zero, zero))
+
+
+def _commitment(net: Deciding, stop: UgvStop, ugv: UgvState, memory: UgvMemory, t: Scalar) -> UgvTube:
+    last = memory.sent.newest[0]
+    return ugv_tube(net.contract, stop, ugv, memory.sent, t - ugv.stamp, last, memory.turn)
+
+
+def _ugv(
+    net: Deciding,
+    stop: UgvStop,
+    memory: UgvMemory,
+    ugv: UgvState,
+    t: Scalar,
+    proposed: VelocityCommand,
+    faces: list[Face],
+) -> tuple[UgvMemory, Verdict]:
+    age = t - ugv.stamp
+    forward = clip(proposed.forward, -stop.most, stop.most)
+    turn = clip(proposed.turn, -stop.most_turn, stop.most_turn)
+    number, fresh = isfinite(forward + turn), _fresh(net.contract, age)
+    halt = ugv_tube(net.contract, stop, ugv, memory.sent, age, 0.0, turn)
+    go = ugv_tube(net.contract, stop, ugv, memory.sent, age, forward, turn)
+    tightest, gap = _tightest([
+        face._replace(room=face.room - go.advance(-face.x, -face.y)) for face in faces
+    ])
+    passes, chosen = net.decide_ugv(stop, UgvTurn(forward, turn, number & fresh, faces, halt, go))
+    # Its hull is a disc: as long as it stands it may turn.
+    stands = number & (abs(ugv.speed) <= net.contract.velocity_error)
+    zero = 0.0 * memory.turn
+    speed = where(passes, chosen, zero)
+    turning = where(passes | stands, turn, zero)
+    reason = where(number, where(fresh, tightest.reason, Reason.STALE), Reason.NOT_FINITE)
+    sent = VelocityCommand(speed, proposed.left, proposed.up, turning)
+    verdict = _verdict(proposed, sent, reason, gap)
+    verdict = Verdict(VelocityCommand(speed, zero, zero, turning), verdict.intervened, verdict.reason, gap)
+    return UgvMemory(memory.sent.then(speed, 1.0), turning), verdict
+
+
+def _tightest(faces: list[Face]) -> tuple[Face, Scalar]:
+    """(the face with least room, NaN being least; the smallest gap)."""
+    tightest, gap = faces[0], faces[0].gap
+    for face in faces[1:]:
+        tightest, gap = where(tightest.room <= face.room, tightest, face), minimum(gap, face.gap)
+    return tightest, gap
+
+
+def _verdict(proposed: VelocityCommand, sent: VelocityCommand, reason: Scalar, gap: Scalar) -> Verdict:
+    same = (proposed.forward == sent.forward) & (proposed.turn == sent.turn)
+    same = same & (proposed.left == sent.left) & (proposed.up == sent.up)
+    zero = 0.0 * sent.forward
+    return Verdict(sent, where(same, zero, 1.0 + zero), where(same, zero, reason + zero), gap)
