@@ -168,6 +168,17 @@ def test_a_clock_that_cannot_be_right_is_replaced(t):
     assert seen == world(9.0) and alarms == (OK, OK)
 
 
+def test_a_leap_of_the_clock_is_believed_if_a_pose_was_measured_after_it():
+    memory = DOG.init(world(0.0))
+    _, seen, alarms = DOG.check(memory, inputs(replace(world(0.01), t=10.0)))
+    assert seen.t == pytest.approx(0.0, abs=0.02)
+    assert alarms == (Alarm(Severity.HOLD, Reason.CLOCK),) * 2
+    _, seen, alarms = DOG.check(memory, inputs(world(10.0, uav_age=9.99)))
+    assert seen.t == 10.0 and alarms[0].reason == Reason.STALE and alarms[1] == OK
+    _, seen, alarms = DOG.check(memory, inputs(replace(world(0.0), t=0.4)))
+    assert seen.t == 0.4 and alarms == (Alarm(Severity.BRAKE, Reason.STALE),) * 2
+
+
 def test_the_worst_counts_and_among_equals_the_pose():
     late = inputs(world(0.6), decided=0.0, batteries=(0.1, 1.0))
     _, uav, ugv = checked(late)

@@ -119,12 +119,16 @@ def advance(
     # From the last row to the first, so that the first has the last word.
     after = now
     for row in reversed(table):
-        fits = False
-        for mode in row.modes:
-            fits = fits | here[mode]
+        fits, within = True, False
         for trigger in row.when:
             fits = fits & triggers[trigger]
-        after = where(fits, (float(row.to), alarm if row.reason is None else float(row.reason)), after)
+        if fits is False:  # on plain floats most rows end here
+            continue
+        for mode in row.modes:
+            within = within | here[mode]
+        after = where(
+            fits & within, (float(row.to), alarm if row.reason is None else float(row.reason)), after
+        )
     return after
 
 

@@ -25,7 +25,7 @@ READY and TERMINATED) is for the link to the vehicle.
 
 from dataclasses import dataclass, field
 from math import nan
-from typing import Any
+from typing import Any, NamedTuple
 
 from fledge.inputs import HOVER, Inputs, Operator, finite, said, sane
 from fledge.modes import TABLE, Mode, Row, Trigger, advance
@@ -44,8 +44,7 @@ NOTHING = VelocityCommand(nan, nan, nan, nan)
 """No command: a net that steers brakes, and holds."""
 
 
-@dataclass(frozen=True, slots=True)
-class Post:
+class Post(NamedTuple):
     """What is remembered of one vehicle."""
 
     mode: Scalar
@@ -66,8 +65,7 @@ class Post:
     """The last command sent; in RECOVER, the last one sent before it."""
 
 
-@dataclass(frozen=True, slots=True)
-class Memory:
+class Memory(NamedTuple):
     """The supervisor's memory."""
 
     watch: Watch
@@ -87,8 +85,7 @@ class Decision:
     alarm: Alarm
 
 
-@dataclass(frozen=True, slots=True)
-class Situation:
+class Situation(NamedTuple):
     """One vehicle in one tick."""
 
     now: Scalar

@@ -22,7 +22,7 @@ NaN passes no comparison: conditions say what is good, never what is bad.
 from dataclasses import dataclass
 from itertools import combinations
 from math import inf
-from typing import Any
+from typing import Any, NamedTuple
 
 from fledge.geometry import Heading, Quat, Vec3
 from fledge.safety.contract import Contract
@@ -37,8 +37,7 @@ NOWHERE = Vec3(0.0, 0.0, 0.0)
 VehicleState = UavState | UgvState
 
 
-@dataclass(frozen=True, slots=True)
-class Motion:
+class Motion(NamedTuple):
     """One sample of how a vehicle moves, whatever its kind."""
 
     position: Vec3
@@ -57,8 +56,7 @@ class Motion:
         return cls(state.position, state.velocity, state.stamp)
 
 
-@dataclass(frozen=True, slots=True)
-class Track:
+class Track(NamedTuple):
     """What is remembered of one vehicle's poses."""
 
     trusted: Any
@@ -75,8 +73,7 @@ class Track:
     """`JUMP` or `SWAP` while the pose is not believed, else 0."""
 
 
-@dataclass(frozen=True, slots=True)
-class News:
+class News(NamedTuple):
     """A sample against the latest one."""
 
     state: VehicleState
@@ -95,8 +92,7 @@ class News:
     """Whether it is fresh, but nothing moves that far in that time."""
 
 
-@dataclass(frozen=True, slots=True)
-class Sight:
+class Sight(NamedTuple):
     """What came of one sample."""
 
     dropped: Scalar

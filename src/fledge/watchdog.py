@@ -11,6 +11,7 @@ it cannot be trusted, but nothing says that the vehicle has to come down.
 from dataclasses import dataclass, field
 from enum import IntEnum
 from math import inf
+from typing import NamedTuple
 
 from fledge.inputs import Inputs, finite, sane
 from fledge.scalars import Scalar, negate, where
@@ -47,8 +48,7 @@ LINK_AGES: Ages = ((10.0, Severity.LAND),)
 """PX4's COM_DL_LOSS_T. A person who flies by hand is missed sooner: see the supervisor."""
 
 
-@dataclass(frozen=True, slots=True)
-class Alarm:
+class Alarm(NamedTuple):
     """The worst that is wrong with what one vehicle flies on."""
 
     severity: Scalar
@@ -57,8 +57,7 @@ class Alarm:
     """A `Reason`, as a number; 0 when nothing is wrong."""
 
 
-@dataclass(frozen=True, slots=True)
-class Watch:
+class Watch(NamedTuple):
     """The watchdog's memory."""
 
     t: Scalar
@@ -71,6 +70,7 @@ class Watchdog:
     """Limits."""
 
     tracker: Tracker = Tracker()
+    leap: float = 0.5  # [s] that the clock may go on by in a tick with nothing else to bear it out; chosen
     poses: Ages = field(default=POSE_AGES, metadata={"static": True})
     policy: Ages = field(default=POLICY_AGES, metadata={"static": True})
     link: Ages = field(default=LINK_AGES, metadata={"static": True})
@@ -84,9 +84,8 @@ class Watchdog:
 
     def check(self, memory: Watch, inputs: Inputs) -> tuple[Watch, WorldState, tuple[Alarm, ...]]:
         """(memory, the world as far as it can be believed, the worst alarm of each vehicle)."""
-        t = inputs.seen.t
-        ticking = (abs(t) < inf) & negate(t <= memory.t)
-        now = where(ticking, t, memory.t + TICK)
+        ticking = self._ticking(memory, inputs.seen)
+        now = where(ticking, inputs.seen.t, memory.t + TICK)
         tracks, sights = self.tracker.follow(memory.tracks, inputs.seen, now)
         common = _worst(
             alarm(negate(ticking), Severity.HOLD, Reason.CLOCK),
@@ -106,6 +105,14 @@ class Watchdog:
         )
         uav, *ugvs = (track.trusted for track in tracks)
         return Watch(now, tracks), WorldState(now, uav, tuple(ugvs)), alarms
+
+    def _ticking(self, memory: Watch, seen: WorldState) -> Scalar:
+        """Whether the clock goes on; a leap is believed if some pose was measured after it."""
+        t = seen.t
+        borne_out = t - memory.t <= self.leap
+        for state in (seen.uav, *seen.ugvs):
+            borne_out = borne_out | (abs(t - state.stamp) <= self.leap)
+        return (abs(t) < inf) & negate(t <= memory.t) & borne_out
 
     def _pose(self, age: Scalar, sight: Sight) -> Alarm:
         """A dropped sample is worth a word; what hurts is the age of the last good one."""

@@ -10,7 +10,6 @@ from fledge.modes import Mode
 from fledge.safety import NoNet
 from fledge.simulation import pytree, stack
 from fledge.supervisor import Decision, Supervisor
-from fledge.watchdog import Alarm
 from fledge.world import Arena, Commands, Reason, UavState, UgvState, VelocityCommand, Verdict, WorldState
 
 pytestmark = pytest.mark.slow
@@ -91,7 +90,7 @@ def flights():
     start = SUPERVISOR.init(Arena.square(), begin)
     # Stacking makes pytrees of the records; so does naming those that only come out.
     stack([(start, Inputs.unattended(begin, Commands(hover, (hover,) * UGVS)))])
-    for kind in (Decision, Verdict, Alarm):
+    for kind in (Decision, Verdict):
         pytree(kind)
     told = [flight(seed) for seed in range(FLIGHTS)]
     plain = []
