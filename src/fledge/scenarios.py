@@ -127,6 +127,7 @@ def _trouble(rng: np.random.Generator, terms: Terms) -> Trouble:
         terms.factor * (1.0 if worst else rng.uniform()),
         float(rng.random() < 0.5),
         _vector(way),
+        float(rng.random() < 0.5),
     )
 
 

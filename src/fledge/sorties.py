@@ -19,15 +19,16 @@ import numpy as np
 
 from fledge.attacks import Chance
 from fledge.clearance import Nearest
+from fledge.dynamics import UGV_FLEET
 from fledge.geometry import Vec3
 from fledge.melee import Bodies, Scene, begin, draw_chance, drive, move, obeyed
 from fledge.pilots import AbstractPilot
 from fledge.retreat import lead, place, way_out
-from fledge.safety import AbstractNet
+from fledge.safety import AbstractNet, UavStop, UgvStop
 from fledge.scalars import Scalar, maximum, minimum, where
 from fledge.scenarios import MOST_OBSTACLES, Scenario, Terms
 from fledge.simulation import TICK, apart, compiled, register, stack
-from fledge.trouble import Line, measured
+from fledge.trouble import Line, Link, Trouble, measured
 from fledge.world import Commands, VelocityCommand, Verdict, WorldState
 
 HORIZON = 200
@@ -36,6 +37,8 @@ BREACH = 0.5
 """[m] the paper's margin about a vehicle's centre; coming nearer is a breach."""
 LEFT = 0.5
 """[m] a vehicle that moved so far in its retreat was no prisoner."""
+UAV_STOP, UGV_STOPS = UavStop(), tuple(UgvStop.of(model) for model in UGV_FLEET)
+"""What the vehicles do when their links are lost."""
 LOOK_AGAIN = 50
 """Ticks after which the retreat pilot looks for another way [10 ms]."""
 
@@ -104,6 +107,7 @@ class Flying(NamedTuple):
     """Worlds, on their way to the net."""
     sent: Line
     """Commands, on their way to the vehicles."""
+    links: tuple[Link, ...]
     net: Any
     shadow: Shadow
     tally: Tally
@@ -154,6 +158,7 @@ def _begin(trial: Trial, scene: Scene) -> Flying:
         bodies,
         Line.full_of(bodies.world, longest),
         Line.full_of(still, longest),
+        (Link(zero, hover),) * trial.terms.vehicles,
         trial.net.init(scene.scenario.arena, bodies.world),
         Shadow(bodies, zero, zero),
         Tally((zero + 100.0,) * trial.terms.vehicles, zero - 1.0, zero, zero, zero, zero),
@@ -194,11 +199,25 @@ def _tick(
     net, verdicts = apart(trial.net.filter, flying.net, late, told)
     commands = Commands(verdicts[0].command, tuple(verdict.command for verdict in verdicts[1:]))
     sent = flying.sent.then(obeyed(scene.rig, commands))
-    bodies = move(scene, before, sent.late(trouble.latency), tick)
+    links, done = _heard(flying.links, sent.late(trouble.latency), verdicts, trouble, tick)
+    bodies = move(scene, before, done, tick)
     stepped_in = sum(verdict.intervened for verdict in verdicts)
     tally = _counted(scene, flying.tally, bodies.near, stepped_in, tick)
     row = Track(before.world, told, verdicts) if trial.record else ()
-    return Flying(bodies, seen, sent, net, flying.shadow, tally), row, stepped_in > 0.0
+    return Flying(bodies, seen, sent, links, net, flying.shadow, tally), row, stepped_in > 0.0
+
+
+def _heard(
+    links: tuple[Link, ...], told: Commands, verdicts: tuple[Verdict, ...], trouble: Trouble, tick: Scalar
+) -> tuple[tuple[Link, ...], Commands]:
+    """(links, what the vehicles do); a link is lost at the first intervention, whose command never arrives."""
+    after = []
+    for link, command, verdict, stop in zip(
+        links, (told.uav, *told.ugvs), verdicts, (UAV_STOP, *UGV_STOPS), strict=True
+    ):
+        after.append(link.then((trouble.cut > 0.0) & (verdict.intervened > 0.0), command, stop, TICK))
+    done = [command for _, command in after]
+    return tuple(link for link, _ in after), Commands(done[0], tuple(done[1:]))
 
 
 def _counted(

@@ -10,9 +10,9 @@ from typing import Any, NamedTuple
 from fledge.clearance import Nearest
 from fledge.dynamics import Pioneer
 from fledge.geometry import Quat, Vec3
-from fledge.safety import Contract
+from fledge.safety import Contract, UavStop, UgvStop
 from fledge.scalars import Scalar, maximum, where
-from fledge.world import UavState, UgvState, WorldState
+from fledge.world import UavState, UgvState, VelocityCommand, WorldState
 
 WEAKEST = 0.1
 """[m/s^2] a UGV can always brake with, however far the contract is overstepped."""
@@ -31,6 +31,8 @@ class Trouble(NamedTuple):
     """1: errors and push always point the worst way; 0: a fixed random way."""
     way: Vec3
     """That way, a unit vector."""
+    cut: Scalar
+    """1: when the net first steps in, a vehicle's link is lost, the worst moment for it; 0: links last."""
 
     def towards(self, worst: Vec3) -> Vec3:
         """Where errors and push point, and their share of the bounds as length."""
@@ -84,6 +86,24 @@ def weakened(fleet: tuple[Pioneer, ...], contract: Contract, trouble: Trouble) -
     """UGVs as they speed up and brake against the disturbance."""
     loss = contract.disturbance * trouble.share
     return tuple(replace(model, acceleration=maximum(model.acceleration - loss, WEAKEST)) for model in fleet)
+
+
+class Link(NamedTuple):
+    """A vehicle's link, which is lost at most once in a flight."""
+
+    silent: Scalar
+    """For how long [s] ago it was lost; 0 before."""
+    last: VelocityCommand
+    """What the vehicle had heard last."""
+
+    def then(
+        self, lost: Scalar, told: VelocityCommand, stop: UavStop | UgvStop, period: float
+    ) -> tuple["Link", VelocityCommand]:
+        """(the link one period later, what the vehicle does): as told; or, in silence, as told last, then nothing."""
+        silent = where(lost | (self.silent > 0.0), self.silent + period, self.silent)
+        alone = (silent > 0.0) & (silent < stop.silence)
+        own = where(silent < stop.hold_over, self.last, self.last.scaled(0.0))
+        return Link(silent, where(alone, self.last, told)), where(alone, own, told)
 
 
 class Line(NamedTuple):

@@ -57,9 +57,10 @@ class UavStop:
     error_up: float = 0.02  # [m]
     lag: float = 0.2  # [s] of the command filter, `dynamics.COMMAND_LAG`
     hold: float = 0.11  # [m] how far the contract's disturbance pushes it off a point it holds
-    hold_over: float = (
-        0.05  # [s] it goes on with the last command when the link is lost: the AR.Drone's watchdog
-    )
+    hold_over: float = 0.05
+    """[s] it goes on with the last command when the link is lost: the AR.Drone's watchdog."""
+    silence: float = 0.3
+    """[s] for which it may be left alone then; chosen, since its own hover drifts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,9 +77,10 @@ class UgvStop:
     """Largest speed [m/s]."""
     most_turn: float
     """[rad/s]."""
-    hold_over: float = (
-        0.6  # [s] it goes on with the last command when the link is lost: the Pioneer's watchdog
-    )
+    hold_over: float = 0.6
+    """[s] it goes on with the last command when the link is lost: the Pioneer's watchdog."""
+    silence: float = 1.0
+    """[s] for which it is left alone in attacks; longer would do, since then it stands."""
 
     @classmethod
     def of(cls, model: Pioneer) -> "UgvStop":
