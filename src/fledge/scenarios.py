@@ -102,7 +102,7 @@ def draw_scenario(
         FledgeError: an arena was given that has no room for the vehicles.
     """
     arena, start, rejected = _place(rng, terms)
-    trouble = _trouble(rng, terms)
+    trouble = draw_trouble(rng, terms)
     lines = rng.uniform(-1.0, 1.0, (SEGMENTS, 3)) if script is None else script
     nature = Nature(
         float(family),
@@ -115,7 +115,7 @@ def draw_scenario(
     return Draw(Scenario(arena, start.world, trouble, nature, float(focus)), rejected, start.near)
 
 
-def _trouble(rng: np.random.Generator, terms: Terms) -> Trouble:
+def draw_trouble(rng: np.random.Generator, terms: Terms) -> Trouble:
     """The whole of every bound on half the flights, some of it on the others."""
     way = rng.normal(size=3)
     way /= np.linalg.norm(way)
