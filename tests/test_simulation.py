@@ -16,6 +16,7 @@ from fledge.pilots import HumanModel, Servo
 from fledge.pilots.base import AbstractPilot
 from fledge.policy import Policy
 from fledge.safety import NETS, AbstractNet
+from fledge.scalars import where
 from fledge.simulation import (
     STEP,
     STEPS_PER_TICK,
@@ -87,6 +88,20 @@ class Diarist(AbstractPilot):
 
     def act(self, memory, observation, noise):
         return (*memory, "wait"), Action(0.0, 0.0, 0.01 * len(memory), 0.0)
+
+
+class Blink(AbstractNet):
+    """Stops the UAV on the second and fourth tick of every row, for a new reason each time."""
+
+    def init(self, arena, world):
+        return 0.0 * world.t
+
+    def filter(self, memory, world, commands):
+        memory = memory + 1.0
+        stops = (memory % TICKS_PER_ROW == 2.0) | (memory % TICKS_PER_ROW == 4.0)
+        sent = where(stops, VelocityCommand.hover(), commands.uav)
+        verdict = Verdict(sent, where(stops, 1.0, 0.0), where(stops, memory, 0.0), -memory)
+        return memory, (verdict, *(Verdict(told, 0.0, 0.0, memory) for told in commands.ugvs))
 
 
 class Guard(AbstractNet):
@@ -245,8 +260,21 @@ def test_a_nets_verdicts_are_columns_and_are_obeyed():
     # The pilot asked for more and more, the net said no, and the UAV stood still.
     assert np.abs(episode.proposed.uav.forward).max() + np.abs(episode.proposed.uav.left).max() > 0.05
     assert np.ptp(episode.world.uav.position.x) < 1e-9
-    # It is asked a hundred times a second; the row keeps the last of its five verdicts.
-    np.testing.assert_array_equal(uav.clearance, TICKS_PER_ROW * np.arange(1, ROWS + 1))
+    # It is asked a hundred times a second; the row keeps the smallest of its five clearances.
+    np.testing.assert_array_equal(uav.clearance, 1 + TICKS_PER_ROW * np.arange(ROWS))
+
+
+@pytest.mark.parametrize(
+    "engine", (fly_plain, lambda case, *rest: take(fly([case], rest[0], [rest[1]]), 0, 5))
+)
+def test_no_intervention_is_lost_between_two_rows(engine):
+    episode = engine(CASES[1].lasting(5), Crew(Servo(), net=Blink()), KEYS[1])
+    uav, *ugvs = episode.verdicts
+    assert uav.intervened.all() and not any(ugv.intervened.any() for ugv in ugvs)
+    np.testing.assert_array_equal(uav.reason, [2, 7, 12, 17, 22])
+    np.testing.assert_array_equal(uav.clearance, [-5, -10, -15, -20, -25])
+    # On the fifth tick the proposed command passed, and that is the one sent last.
+    assert_same(uav.command, episode.proposed.uav)
 
 
 @pytest.mark.parametrize("net", NETS, ids=lambda net: type(net).__name__)

@@ -5,11 +5,13 @@ An `Episode` is the flight row by row, at 20 Hz: the spine's own records, each f
 so every table and figure serves both.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from fledge.camera import Lens
 from fledge.observation import IDEAL_RADIUS_PX, Action, Observation, StickScale
+from fledge.scalars import maximum, minimum, where
 from fledge.world import Arena, Commands, Verdict, WorldState
 
 
@@ -26,9 +28,25 @@ class Episode:
     proposed: Commands
     """What that, and the UGVs' own controller, asked for."""
     verdicts: tuple[Verdict, ...]
-    """What was sent and why: the UAV's verdict, then one per UGV; the last of the row's five."""
+    """What was sent and why: the UAV's verdict, then one per UGV; each `over` the row's five."""
     ideal_spread: Any
     """Circumradius the formation was told to have [m]."""
+
+
+def over(ticks: Sequence[Verdict]) -> Verdict:
+    """One vehicle's verdicts of a row as one: what was sent last, whether and why first it was not what was proposed.
+
+    The clearance is the smallest.
+    """
+    whole, *later = ticks
+    for tick in later:
+        whole = Verdict(
+            tick.command,
+            maximum(whole.intervened, tick.intervened),
+            where(whole.intervened > 0.0, whole.reason, tick.reason),
+            minimum(whole.clearance, tick.clearance),
+        )
+    return whole
 
 
 @dataclass(frozen=True, slots=True)

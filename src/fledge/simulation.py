@@ -32,7 +32,7 @@ from fledge.conditions import (
     sense,
 )
 from fledge.dynamics import Quadrotor, UavMemory
-from fledge.episode import Episode
+from fledge.episode import Episode, over
 from fledge.formation import FormationControl
 from fledge.geometry import Quat, Vec3
 from fledge.manoeuvres.base import AbstractManoeuvre, FormationTrack, Plan
@@ -214,7 +214,7 @@ def fly_row(
 
     ticks = np.arange(TICKS_PER_ROW) * TICK
     (world, memory, net), history = engine.scan(tick, (state.world, state.uav, state.net), ticks)
-    verdicts = _row(history, -1)
+    verdicts = tuple(map(over, zip(*(_row(history, i) for i in range(TICKS_PER_ROW)), strict=True)))
     row = Episode(state.world, seen, action, commands, verdicts, target.spread)
     return FlightState(state.row + 1.0, world, memory, gust, drift, views, pilot, net), row
 
