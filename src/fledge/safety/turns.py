@@ -250,6 +250,7 @@ def _ugv(
     # Its hull is a disc: as long as it stands it may turn.
     stands = number & (abs(ugv.speed) <= net.contract.velocity_error)
     zero = 0.0 * memory.turn
+    passes = passes & isfinite(chosen)
     speed = where(passes, chosen, zero)
     turning = where(passes | stands, turn, zero)
     reason = where(number, where(fresh, tightest.reason, Reason.STALE), Reason.NOT_FINITE)

@@ -1,0 +1,57 @@
+"""The barrier net's own rule: the smallest change."""
+
+import numpy as np
+import pytest
+from aloft import HALL, HOVER, always, fly, world
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fledge.safety import Barrier
+from fledge.safety.barrier import HalfPlane, nearest
+from fledge.world import Commands, VelocityCommand
+
+ANGLES, BOUNDS = st.floats(0.0, 2.0 * np.pi), st.floats(-1.0, 0.2)
+PLANES = st.lists(st.tuples(ANGLES, BOUNDS), min_size=1, max_size=3)
+
+
+@given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), PLANES)
+def test_up_to_three_half_planes_are_met_exactly(x, y, drawn):
+    planes = [HalfPlane(float(np.cos(a)), float(np.sin(a)), b) for a, b in drawn]
+    grid = np.linspace(-3.0, 3.0, 241)
+    gx, gy = np.meshgrid(grid, grid)
+    inside = np.all([p.lacks(gx, gy) <= 0.0 for p in planes], axis=0)
+    if not inside.any():
+        return
+    cx, cy = nearest(x, y, planes)
+    assert all(plane.lacks(cx, cy) <= 1e-5 for plane in planes)
+    best = np.hypot(gx - x, gy - y)[inside].min()
+    assert np.hypot(cx - x, cy - y) <= best + 1e-6
+
+
+def test_along_a_wall_it_lets_slide():
+    log = fly(Barrier(), world((4.0, -3.0, 3.0)), always(VelocityCommand(0.5, 0.5, 0.0, 0.0)), 8.0)
+    assert log.least[0] > 0.0
+    assert log.last.uav.position.y > 0.0, "the part of the command along the wall goes on"
+
+
+def test_height_is_clipped_on_its_own():
+    log = fly(Barrier(), world((-3.0, 0.0, 5.0)), always(VelocityCommand(0.5, 0.0, 0.5, 0.0)), 5.0)
+    assert log.least[0] > 0.0
+    assert log.last.uav.position.x > -1.5
+
+
+def test_a_ugv_is_slowed_down_and_not_stopped_from_afar():
+    ugvs = ((1.0, 0.0, 0.0), (-3.0, -3.0, 0.0), (-3.0, 3.0, 0.0))
+    log = fly(Barrier(), world((0.0, 0.0, 3.0), ugvs), always(ugv=VelocityCommand(0.8, 0.0, 0.0, 0.0)), 8.0)
+    speeds = [verdicts[1].command.forward for verdicts in log.verdicts if verdicts[1].intervened]
+    assert 0.0 < log.least[1] < 0.15
+    assert len({round(speed, 2) for speed in speeds}) > 10, "slower and slower"
+
+
+def test_the_change_is_the_smallest():
+    net, start = Barrier(), world((4.4, 0.0, 3.0))
+    told = VelocityCommand(1.0, 0.3, 0.1, 0.0)
+    _, verdicts = net.filter(net.init(HALL, start), start, Commands(told, (HOVER,) * 3))
+    sent = verdicts[0].command
+    assert 0.0 < sent.forward < 1.0
+    assert (sent.left, sent.up) == pytest.approx((0.3, 0.1))

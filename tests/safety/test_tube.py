@@ -1,0 +1,132 @@
+"""The geometry of stops."""
+
+from dataclasses import replace
+from math import cos, pi, sin
+
+import pytest
+from aloft import HALL, SPREAD, world
+
+from fledge.dynamics import P3_DX
+from fledge.geometry import Box, Heading, Vec3
+from fledge.safety import Contract, UavStop, UgvStop
+from fledge.safety.tube import Sent, UgvTube, side_of_box, uav_faces, uav_tube, ugv_faces, ugv_tube
+from fledge.world import Obstacle, Reason, UgvState, VelocityCommand
+
+C, UAV, UGV = Contract(), UavStop(), UgvStop.of(P3_DX)
+NOTHING = Sent.nothing(C, 0.0)
+SHARE = 0.0488
+
+
+def sent(*commands: float) -> Sent:
+    """A history, oldest first."""
+    line = NOTHING
+    for command in commands:
+        line = line.then(command, SHARE)
+    return line
+
+
+def test_commands_on_their_way_count_for_as_long_as_they_will_last():
+    line = sent(0.3, 0.2, 1.0)
+    assert line.pending(0.0, SHARE)[0] == 0.0
+    assert line.pending(1.0, SHARE)[0] == pytest.approx(1.0)
+    assert line.pending(2.5, SHARE)[0] == pytest.approx(1.0 + 0.2 + 0.15)
+    assert line.pending(99.0, SHARE)[0] == pytest.approx(1.5)
+
+
+def test_a_filter_follows_what_has_acted_already():
+    steady = sent(*[0.8] * 200)
+    assert steady.pending(10.0, SHARE)[1] == pytest.approx(0.8, abs=0.01)
+    assert sent(*[0.0] * 50, *[1.0] * 3).pending(3.0, SHARE)[1] == 0.0
+
+
+def test_a_filter_remembers_beyond_its_line():
+    line = sent(1.0, *[0.0] * 12)
+    assert 0.0 < line.pending(0.0, SHARE)[1] < SHARE
+
+
+def test_largest_is_over_the_whole_delay():
+    assert sent(*[0.0] * 20, 0.4, -0.2, 0.1).largest() == (-0.2, 0.4)
+    assert sent(0.9, *[0.0] * 10).largest() == (0.0, 0.0)
+
+
+def test_a_resting_uav_rests():
+    tube = uav_tube(C, UAV, world().uav, (NOTHING,) * 3, 0.0)
+    assert tube.early == tube.late == Vec3(0.0, 0.0, 0.0)
+    assert tube.error > C.position_error and tube.error_up > C.position_error
+
+
+def test_a_uav_under_way_goes_on_by_its_speed_and_by_what_is_pending():
+    uav = world(velocity=Vec3(0.6, 0.0, -0.2)).uav
+    x = sent(*[0.6] * 300)
+    tube = uav_tube(C, UAV, uav, (x, NOTHING, NOTHING), C.age)
+    still = UAV.speed * 0.6 + UAV.followed * 0.6
+    assert tube.early.x == pytest.approx(still + 0.6 * C.age, abs=1e-3)
+    assert tube.late.x == pytest.approx(still + 0.6 * (C.age + C.latency), abs=1e-3)
+    assert tube.sink() == pytest.approx(0.2 * UAV.speed_up)
+    assert tube.rise() == 0.0
+    assert tube.advance(-1.0, 0.0) == 0.0
+
+
+def test_a_ugv_that_stands_is_told_apart_from_one_that_goes_on():
+    ugv = UgvState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    stop, go = (ugv_tube(C, UGV, ugv, NOTHING, 0.0, v, 0.0) for v in (0.0, 0.4))
+    braking = UGV.acceleration - C.disturbance
+    assert go.ahead - stop.ahead == pytest.approx(
+        0.4 * UGV.hold_over + (0.4**2 - 0.1**2) / (2 * braking), abs=1e-6
+    )
+    assert go.astern == stop.astern
+
+
+def test_a_ugv_goes_along_its_nose_as_far_as_it_may_turn():
+    for angle in (0.0, 0.5, 2.0):
+        tube = UgvTube(Heading.of(angle), 1.0, 0.2, 0.3)
+        assert tube.advance(cos(angle), sin(angle)) == pytest.approx(1.0)
+        assert tube.advance(-cos(angle), -sin(angle)) == pytest.approx(0.2)
+        assert tube.advance(-sin(angle), cos(angle)) == pytest.approx(0.3)
+    assert UgvTube(Heading.of(0.0), 1.0, 0.0, 0.0).advance(0.0, 1.0) == 0.0
+
+
+def test_really_turning_goes_no_farther_than_that():
+    ugv = UgvState(0.0, 0.0, 0.3, 0.5, 0.4, 0.0)
+    tube = ugv_tube(C, UGV, ugv, sent(*[0.5] * 20), 0.0, 0.5, 0.8)
+    model, state = replace(P3_DX, acceleration=UGV.acceleration - C.disturbance), ugv
+    for step in range(2000):
+        t = 0.002 * step
+        told = (
+            VelocityCommand(0.5, 0.0, 0.0, 0.8) if t < C.latency + UGV.hold_over else VelocityCommand.hover()
+        )
+        state = model.step(state, told, 0.002)
+        for k in range(16):
+            x, y = cos(pi * k / 8), sin(pi * k / 8)
+            assert state.x * x + state.y * y <= tube.advance(x, y) + 1e-9
+
+
+def test_sides_of_a_box_and_its_corners():
+    box = Box(0.0, 2.0, 0.0, 1.0)
+    assert side_of_box(box, 3.0, 0.5) == pytest.approx((1.0, 0.0, 1.0))
+    nx, ny, far = side_of_box(box, 2.3, 1.4)
+    assert (nx, ny, far) == pytest.approx((0.6, 0.8, 0.5))
+
+
+def test_beside_or_above_is_enough():
+    tall, low = Obstacle(Box(0.5, 1.0, -1.0, 1.0), 5.0), Obstacle(Box(0.5, 1.0, -1.0, 1.0), 1.0)
+    for obstacle, z in ((tall, 0.0), (low, 1.0)):
+        arena = replace(HALL, obstacles=(obstacle,))
+        tube = uav_tube(C, UAV, world().uav, (NOTHING,) * 3, 0.0)
+        (face,) = [f for f in uav_faces(C, UAV, arena, world().uav, tube, ()) if f.reason == Reason.OBSTACLE]
+        assert face.z == z
+
+
+def test_a_ugv_minds_a_uav_only_when_it_is_low():
+    for height, minds in ((3.0, False), (0.3, True)):
+        w = world((-1.4, -2.0, height))
+        tube = uav_tube(C, UAV, w.uav, (NOTHING,) * 3, 0.0)
+        *_, face = ugv_faces(C, UGV, HALL, w.ugvs[0], (), (UAV, w.uav, tube))
+        assert (face.room < 1.0) == minds
+
+
+def test_every_wall_is_a_face():
+    w = world((4.0, -3.0, 2.0), SPREAD)
+    tube = uav_tube(C, UAV, w.uav, (NOTHING,) * 3, 0.0)
+    faces = uav_faces(C, UAV, HALL, w.uav, tube, ())
+    assert sorted(round(f.gap, 2) for f in faces) == sorted([0.74, 8.74, 1.74, 7.74, 1.9, 3.9])
