@@ -8,7 +8,7 @@ SYNCED := .venv/.synced
 UV := $(BIN)/uv $(if $(wildcard /etc/ssl/certs/ca-certificates.crt),--system-certs)
 
 .DEFAULT_GOAL := help
-.PHONY: help venv reproduce full test check types style lock clean
+.PHONY: help venv reproduce full test check mutations types style lock clean
 
 help: ## list these verbs
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -29,6 +29,9 @@ check: $(SYNCED) types ## look at style and types and run the fast tests, in und
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile -m "not slow"
+
+mutations: $(SYNCED) ## delete each clause of the nets; a test must fail every time (half an hour)
+	$(BIN)/python tests/mutate.py
 
 types: $(SYNCED) ## check types
 	$(BIN)/pyright

@@ -1,0 +1,130 @@
+"""Delete each clause of the stop-tube nets, one at a time, and see that a test fails: `make mutations`.
+
+A clause is a line of the proof: a term of the margin, a condition under which a command may pass, an error that is
+counted. The table of the supervisor is mutated row by row in `tests/test_modes.py`.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+TESTS = [f"tests/safety/test_{name}.py" for name in ("tube", "stop_tube", "barrier", "contract", "turns")]
+
+CLAUSES: dict[str, list[tuple[str, str]]] = {
+    "tube": [
+        # The UAV's stop.
+        ("forward = stop.speed * forward", "forward = 0.0 * forward"),
+        ("left = stop.speed * left", "left = 0.0 * left"),
+        ("up = stop.speed_up * uav.velocity.z", "up = 0.0 * uav.velocity.z"),
+        ("+ stop.followed * follow_forward", "+ 0.0 * follow_forward"),
+        ("dx + T * x", "dx"),
+        ("dy + T * y", "dy"),
+        ("up + stop.followed_up * fz + T * z", "up"),
+        ("contract.position_error + max(stop.hold, side)", "contract.position_error"),
+        ("contract.position_error + max(stop.hold, side)", "max(stop.hold, side)"),
+        ("contract.position_error + max(stop.hold, height)", "contract.position_error"),
+        ("since + contract.latency / contract.period", "since"),
+        ("self.late.x * x + self.late.y * y)", "self.early.x * x + self.early.y * y)"),
+        # The UGV's stop.
+        ("age + contract.latency + contract.period", "0.0 * age"),
+        ("maximum(v + contract.velocity_error, minimum(high, v + gain))", "v"),
+        ("minimum(v - contract.velocity_error, maximum(low, v - gain))", "v"),
+        ("+ abs(turn) * stop.hold_over", ""),
+        ("turning * (reaction + turning / (2.0 * stop.turn_acceleration))", "0.0 * turning"),
+        ("speed * reaction + command * stop.hold_over + braking", "command * stop.hold_over + braking"),
+        ("speed * reaction + command * stop.hold_over + braking", "speed * reaction + braking"),
+        (
+            "speed * reaction + command * stop.hold_over + braking",
+            "speed * reaction + command * stop.hold_over",
+        ),
+        ("stop.acceleration - contract.disturbance", "stop.acceleration"),
+        ("* self.swing", "* 0.0"),
+        # What must be stayed clear of.
+        ("(1.0, 0.0, x - b.x_min - radius)", "(1.0, 0.0, x - b.x_min)"),
+        ("(-1.0, 0.0, b.x_max - x - radius)", "(-1.0, 0.0, 1e3 + 0.0 * x)"),
+        ("(0.0, 1.0, y - b.y_min - radius)", "(0.0, 1.0, 1e3 + 0.0 * y)"),
+        ("(0.0, -1.0, b.y_max - y - radius)", "(0.0, -1.0, 1e3 + 0.0 * y)"),
+        ("low - sink, Reason.FLOOR", "low + 1e3, Reason.FLOOR"),
+        ("high - tube.error_up - tube.rise()", "high - tube.error_up + 1e3"),
+        ("above - sink, Reason.OBSTACLE", "above + 1e3, Reason.OBSTACLE"),
+        ("above - sink, Reason.VEHICLE", "above + 1e3, Reason.VEHICLE"),
+        ("room = gap - 2.0 * error - tube.advance(nx, ny)", "room = gap + 1e3"),
+        ("room = gap - 2.0 * error - tube.advance(nx, ny)", "room = gap - 2.0 * error"),
+        ("room = where(over, 0.0 * room + FREE, room)", "room = 0.0 * room + FREE"),
+    ],
+    "turns": [
+        ("(age >= -contract.period) & ", ""),
+        (" & (age <= contract.age + 0.5 * contract.period)", ""),
+        ("number & fresh, faces, tightest", "fresh, faces, tightest"),
+        ("number & fresh, faces, tightest", "number, faces, tightest"),
+        ("number & fresh, faces, halt, go", "fresh, faces, halt, go"),
+        ("number & fresh, faces, halt, go", "number, faces, halt, go"),
+        ("passes = passes & isfinite(chosen)", "passes = passes"),
+        ("where(holding, ahead * PULL, Vec3(zero, zero, zero))", "Vec3(zero, zero, zero)"),
+        ("(already | slow | tight)", "(already | slow)"),
+        ("step = where(tight, RETREAT * contract.period, 0.0)", "step = 0.0"),
+        ("turning = where(passes | stands, turn, zero)", "turning = where(passes, turn, zero)"),
+        ("turning = where(passes | stands, turn, zero)", "turning = turn"),
+        ("tube = tube._replace(early=tube.early + more, late=tube.late + more)", "tube = tube"),
+        ("commitments[i] = _commitment(net, stop, world.ugvs[i], one, world.t)", "pass"),
+        ("clip(proposed.forward, -stop.most, stop.most), clip", "proposed.forward, clip"),
+    ],
+    "stop_tube": [
+        ("minimum(away, 0.0) * self.uav.hold_over", "0.0"),
+        ("((room < 0.0) & (away >= self.outwards))", "((room < 0.0) & (away >= 0.0))"),
+        ("((room < 0.0) & (away >= self.outwards))", "(room < -1e6)"),
+        ("(left >= 0.0) | ", "(left >= -1e6) | "),
+        ("(room >= 0.0) | ", "(room >= -1e6) | "),
+        ("(only.advance(-face.x, -face.y) <= 0.0)", "(room < -1e6)"),
+        ("c, passes = turn.wanted, turn.known", "c, passes = turn.wanted, True"),
+        ("passes = turn.known\n", "passes = True\n"),
+    ],
+    "barrier": [
+        ("minimum(-face.room / self.pace, RETREAT)", "-1e3 + 0.0 * face.room"),
+        ("low = maximum(low, where(face.z > 0.5, least, -self.uav.most_up))", "pass"),
+        ("high = minimum(high, where(face.z < -0.5, -least, self.uav.most_up))", "pass"),
+        ("kept = kept & (plane.lacks(x, y) <= TINY)", "pass"),
+        ("return turn.known & kept", "return kept"),
+        ("fastest = minimum(fastest, self._speed(room, ahead, stop))", "pass"),
+        ("slowest = maximum(slowest, -self._speed(room, astern, stop))", "pass"),
+        ("return turn.known, clip", "return True, clip"),
+        ("room - self.reserve * share", "room"),
+        ("where(share > TINY, maximum(room", "where(share > -1.0, maximum(room"),
+        ("inside = inside & (plane.lacks(cx, cy) <= TINY)", "pass"),
+        ("better = inside & (far < best)", "better = inside"),
+    ],
+}
+
+
+def survives(module: str, old: str, new: str) -> bool:
+    """Whether every test passes without the clause."""
+    with tempfile.TemporaryDirectory() as folder:
+        shutil.copytree(ROOT / "src", Path(folder) / "src")
+        path = Path(folder) / "src" / "fledge" / "safety" / f"{module}.py"
+        source = path.read_text()
+        assert source.count(old) == 1, f"{module}: {source.count(old)} times: {old}"
+        path.write_text(source.replace(old, new))
+        command = [sys.executable, "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", *TESTS]
+        path_first = {**os.environ, "PYTHONPATH": str(Path(folder) / "src")}
+        return subprocess.run(command, cwd=ROOT, env=path_first, capture_output=True).returncode == 0
+
+
+def main() -> None:
+    """Mutate all, or the modules named on the command line."""
+    chosen = sys.argv[1:] or list(CLAUSES)
+    mutants = [(module, old, new) for module in chosen for old, new in CLAUSES[module]]
+    with ThreadPoolExecutor(2) as pool:
+        results = list(pool.map(lambda mutant: survives(*mutant), mutants))
+    for (module, old, new), alive in zip(mutants, results, strict=True):
+        print(f"{'SURVIVED' if alive else 'caught':8}  {module}: {old!r} -> {new!r}")
+    print(f"{len(results) - sum(results)} of {len(results)} caught")
+    sys.exit(any(results))
+
+
+if __name__ == "__main__":
+    main()
