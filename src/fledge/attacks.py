@@ -198,7 +198,7 @@ class Attacker:
             drive(model, ugv, want, raw)
             for model, ugv, want in zip(self.fleet, world.ugvs, wanted[1:], strict=True)
         )
-        return tuple(changed), Commands(self._fly(world, wanted[0], nature), told)
+        return tuple(changed), Commands(self._fly(world, wanted[0], nature, changed[0]), told)
 
     def _next(self, nature: Nature, mood: Mood, sight: Sight, chance: Chance) -> Mood:
         near = sight.near
@@ -214,14 +214,15 @@ class Attacker:
             fleeing,
         )
 
-    def _fly(self, world: WorldState, want: Vec3, nature: Nature) -> VelocityCommand:
+    def _fly(self, world: WorldState, want: Vec3, nature: Nature, mood: Mood) -> VelocityCommand:
         forward, left = world.uav.attitude.heading().from_world(want.x, want.y)
         s = self.sticks
         return VelocityCommand(
             s.horizontal * _full(forward),
             s.horizontal * _full(left),
             s.vertical * _full(want.z),
-            nature.stuck.z,
+            # One turn for ever, or full turns that jump: the lags of a turning vehicle turn with it.
+            s.turn * where(nature.stuck.x > 0.0, where(mood.held.z > 0.0, 1.0, -1.0), nature.stuck.z),
         )
 
     @staticmethod

@@ -60,7 +60,7 @@ def fly_stops(
     for _ in range(stops):
         for _ in range(APPROACH_TICKS):
             flying = _tick(model, flying, next(commands), share)
-        begin, ahead = flying.uav, uav_tube(contract, stop, flying.uav, flying.sent, zero).early
+        begin, ahead = flying.uav, uav_tube(contract, stop, flying.uav, flying.sent, zero, zero).rests[0]
         worst = zero - np.inf
         for _ in range(STOP_TICKS):
             flying = _tick(model, flying, hover, share)

@@ -50,17 +50,17 @@ def test_largest_is_over_the_whole_delay():
 
 
 def test_a_resting_uav_rests():
-    tube = uav_tube(C, UAV, world().uav, (NOTHING,) * 3, 0.0)
-    assert tube.early == tube.late == Vec3(0.0, 0.0, 0.0)
+    tube = uav_tube(C, UAV, world().uav, (NOTHING,) * 3, 0.0, 0.0)
+    assert set(tube.rests) == {Vec3(0.0, 0.0, 0.0)}
     assert tube.error > C.position_error and tube.error_up > C.position_error
 
 
 def test_a_uav_under_way_goes_on_by_its_speed_and_by_what_is_pending():
     uav = world(velocity=Vec3(0.6, 0.0, -0.2)).uav
     x = sent(*[0.6] * 300)
-    tube = uav_tube(C, UAV, uav, (x, NOTHING, NOTHING), C.age)
+    tube = uav_tube(C, UAV, uav, (x, NOTHING, NOTHING), 0.0, C.age)
     still = UAV.speed * 0.6 + UAV.followed * 0.6
-    assert tube.early.x == pytest.approx(still + 0.6 * C.age, abs=1e-3)
+    assert tube.rests[0].x == pytest.approx(still + 0.6 * C.age, abs=1e-3)
     assert tube.late.x == pytest.approx(still + 0.6 * (C.age + C.latency), abs=1e-3)
     assert tube.sink() == pytest.approx(0.2 * UAV.speed_up)
     assert tube.rise() == 0.0
@@ -112,7 +112,7 @@ def test_beside_or_above_is_enough():
     tall, low = Obstacle(Box(0.5, 1.0, -1.0, 1.0), 5.0), Obstacle(Box(0.5, 1.0, -1.0, 1.0), 1.0)
     for obstacle, z in ((tall, 0.0), (low, 1.0)):
         arena = replace(HALL, obstacles=(obstacle,))
-        tube = uav_tube(C, UAV, world().uav, (NOTHING,) * 3, 0.0)
+        tube = uav_tube(C, UAV, world().uav, (NOTHING,) * 3, 0.0, 0.0)
         (face,) = [f for f in uav_faces(C, UAV, arena, world().uav, tube, ()) if f.reason == Reason.OBSTACLE]
         assert face.z == z
 
@@ -120,13 +120,13 @@ def test_beside_or_above_is_enough():
 def test_a_ugv_minds_a_uav_only_when_it_is_low():
     for height, minds in ((3.0, False), (0.3, True)):
         w = world((-1.4, -2.0, height))
-        tube = uav_tube(C, UAV, w.uav, (NOTHING,) * 3, 0.0)
+        tube = uav_tube(C, UAV, w.uav, (NOTHING,) * 3, 0.0, 0.0)
         *_, face = ugv_faces(C, UGV, HALL, w.ugvs[0], (), (UAV, w.uav, tube))
         assert (face.room < 1.0) == minds
 
 
 def test_every_wall_is_a_face():
     w = world((4.0, -3.0, 2.0), SPREAD)
-    tube = uav_tube(C, UAV, w.uav, (NOTHING,) * 3, 0.0)
+    tube = uav_tube(C, UAV, w.uav, (NOTHING,) * 3, 0.0, 0.0)
     faces = uav_faces(C, UAV, HALL, w.uav, tube, ())
     assert sorted(round(f.gap, 2) for f in faces) == sorted([0.74, 8.74, 1.74, 7.74, 1.9, 3.9])

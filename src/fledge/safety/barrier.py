@@ -72,7 +72,10 @@ class Barrier(AbstractNet):
     def decide_uav(self, turn: UavTurn) -> tuple[Scalar, Vec3]:
         """The nearest velocity that keeps every barrier."""
         c = turn.wanted
-        low, high, planes = 0.0 * c.z - self.uav.most_up, 0.0 * c.z + self.uav.most_up, []
+        low, high, h = 0.0 * c.z - self.uav.most_up, 0.0 * c.z + self.uav.most_up, turn.heading
+        # What the UAV obeys is a square that turns with its heading.
+        axes = ((h.cos, h.sin), (-h.cos, -h.sin), (-h.sin, h.cos), (h.sin, -h.cos))
+        planes = [HalfPlane(x, y, -self.uav.most) for x, y in axes]
         for face in turn.faces:
             least = minimum(-face.room / self.pace, RETREAT)
             low = maximum(low, where(face.z > 0.5, least, -self.uav.most_up))

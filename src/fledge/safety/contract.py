@@ -47,11 +47,13 @@ class UavStop:
     half_height: float = 0.1  # [m]; as `Quadrotor.half_height`
     most: float = 1.0  # [m/s] largest command per axis
     most_up: float = 0.5  # [m/s]
+    most_turn: float = 1.0  # [rad/s]
     speed: float = 0.34  # [s]
     tilt: float = 0.312  # [m/rad]
     rate: float = 0.0313  # [m s/rad]
     followed: float = 0.0255  # [s]
     error: float = 0.07  # [m]
+    spin: float = 0.11  # [m s/rad] by how much more a UAV that turns misses: its lags turn with it
     speed_up: float = 0.338  # [s]
     followed_up: float = 0.046  # [s]
     error_up: float = 0.02  # [m]

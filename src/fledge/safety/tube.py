@@ -37,27 +37,42 @@ class Face(NamedTuple):
 class UavTube(NamedTuple):
     """Where the UAV comes to rest if it is told to hover now, from where it was measured."""
 
-    early: Vec3
-    """[m] if commands act at once."""
-    late: Vec3
-    """[m] if they act after the contract's whole latency."""
+    rests: tuple[Vec3, ...]
+    """[m] if commands act at once, after half the contract's latency, and after all of it."""
     error: Scalar
     """[m] by which the stop may miss that, sideways."""
     error_up: Scalar
     """[m] and in height."""
 
+    @property
+    def late(self) -> Vec3:
+        """[m] if commands act as late as they may."""
+        return self.rests[-1]
+
     def advance(self, x: Scalar, y: Scalar) -> Scalar:
         """How far the stop goes along the horizontal unit vector (x, y) [m]."""
-        ahead = maximum(self.early.x * x + self.early.y * y, self.late.x * x + self.late.y * y)
-        return maximum(ahead, 0.0)
+        ahead = 0.0 * self.error
+        for rest in self.rests:
+            ahead = maximum(ahead, rest.x * x + rest.y * y)
+        return ahead
 
     def sink(self) -> Scalar:
         """How far down the stop goes [m]."""
-        return maximum(-minimum(self.early.z, self.late.z), 0.0)
+        down = 0.0 * self.error
+        for rest in self.rests:
+            down = maximum(down, -rest.z)
+        return down
 
     def rise(self) -> Scalar:
         """How far up the stop goes [m]."""
-        return maximum(maximum(self.early.z, self.late.z), 0.0)
+        up = 0.0 * self.error
+        for rest in self.rests:
+            up = maximum(up, rest.z)
+        return up
+
+    def moved(self, by: Vec3) -> "UavTube":
+        """The stop after something more [m]."""
+        return self._replace(rests=tuple(rest + by for rest in self.rests))
 
 
 class UgvTube(NamedTuple):
@@ -125,9 +140,14 @@ def filter_share(contract: Contract, stop: UavStop) -> float:
 
 
 def uav_tube(
-    contract: Contract, stop: UavStop, uav: UavState, sent: tuple[Sent, Sent, Sent], age: Scalar
+    contract: Contract,
+    stop: UavStop,
+    uav: UavState,
+    sent: tuple[Sent, Sent, Sent],
+    spin: Scalar,
+    age: Scalar,
 ) -> UavTube:
-    """The stop of a UAV measured `age` [s] ago that was sent commands along the world's axes."""
+    """The stop of a UAV measured `age` [s] ago that was sent commands along the world's axes, turning at `spin`."""
     heading = uav.attitude.heading()
     roll, pitch, _ = uav.attitude.tilt()
     forward, left = heading.from_world(uav.velocity.x, uav.velocity.y)
@@ -147,13 +167,13 @@ def uav_tube(
 
     # A stop ends beyond its point by `side`, or is pushed off the point it holds by `hold`; never by both.
     side = stop.speed * contract.velocity_error + stop.tilt * contract.angle_error
-    side = side + stop.rate * contract.rate_error + stop.error
+    side = side + stop.rate * contract.rate_error + stop.error + stop.spin * spin
     height = stop.speed_up * contract.velocity_error + stop.error_up
-    error = contract.position_error + max(stop.hold, side)
+    error = contract.position_error + maximum(stop.hold, side)
     error_up = contract.position_error + max(stop.hold, height)
-    since = age / contract.period
-    late = since + contract.latency / contract.period
-    return UavTube(rest(since), rest(late), error, error_up)
+    since, lag = age / contract.period, contract.latency / contract.period
+    rests = (rest(since), rest(since + 0.5 * lag), rest(since + lag))
+    return UavTube(rests, error, error_up + 0.0 * spin)
 
 
 def ugv_tube(

@@ -8,9 +8,10 @@ A net says what is sent to one vehicle, given its faces (`Deciding`); here is th
 holding that every decision can fall back on, and the verdict.
 """
 
+from dataclasses import replace
 from typing import NamedTuple, Protocol
 
-from fledge.geometry import Vec3
+from fledge.geometry import Heading, Vec3
 from fledge.safety.contract import Contract, UavStop, UgvStop
 from fledge.safety.tube import (
     Face,
@@ -23,7 +24,7 @@ from fledge.safety.tube import (
     ugv_faces,
     ugv_tube,
 )
-from fledge.scalars import Scalar, clip, isfinite, minimum, negate, where
+from fledge.scalars import Scalar, clip, isfinite, maximum, minimum, negate, where
 from fledge.world import Arena, Commands, Reason, UavState, UgvState, VelocityCommand, Verdict, WorldState
 
 SLOW = 0.3
@@ -32,7 +33,13 @@ PULL = 1.5
 """[1/s] towards the point it holds; chosen, 60 degrees of phase margin."""
 RETREAT = 0.2
 """[m/s] at which a hold point moves out of where there is no room."""
-LEAD = 0.25
+DRIFT = 0.1
+"""[m/s] with which the contract's disturbance drives a UAV that is told to hover; in the simulator 0.06."""
+BLIND = 2.0
+"""[s] for which a UAV is kept off things that it no longer sees; chosen, then it should have been landed."""
+CALMING = 0.5
+"""[s] in which a turn of the UAV stops to matter; a few of its lags."""
+LEAD = 0.2
 """[m] it may be ahead of the UAV."""
 
 
@@ -40,6 +47,8 @@ class UavMemory(NamedTuple):
     """Of the UAV: what it was sent along the world's axes, and the point it holds."""
 
     sent: tuple[Sent, Sent, Sent]
+    spin: Scalar
+    """[rad/s] at which it was told to turn lately."""
     holding: Scalar
     """1 while it holds a point."""
     point: Vec3
@@ -70,7 +79,7 @@ class UavTurn(NamedTuple):
     known: Scalar
     """Whether it is a number, and what is known of the UAV is fresh."""
     faces: list[Face]
-    tightest: Face
+    heading: Heading
 
 
 class UgvTurn(NamedTuple):
@@ -93,9 +102,20 @@ class UgvTurn(NamedTuple):
 class Deciding(Protocol):
     """A net, as this module sees it."""
 
-    contract: Contract
-    uav: UavStop
-    ugvs: tuple[UgvStop, ...]
+    @property
+    def contract(self) -> Contract:
+        """What it relies on."""
+        ...
+
+    @property
+    def uav(self) -> UavStop:
+        """How the UAV stops."""
+        ...
+
+    @property
+    def ugvs(self) -> tuple[UgvStop, ...]:
+        """How each UGV stops."""
+        ...
 
     def decide_uav(self, turn: UavTurn) -> tuple[Scalar, Vec3]:
         """(whether something may be sent, what: a velocity in world axes); else the UAV brakes and holds."""
@@ -108,9 +128,10 @@ class Deciding(Protocol):
 
 def begin(net: Deciding, arena: Arena, world: WorldState) -> Memory:
     """Nothing was sent yet."""
-    zero = 0.0 * world.t
+    # A broken clock must not break the memory.
+    zero = where(isfinite(world.t), 0.0 * world.t, 0.0)
     still = Sent.nothing(net.contract, zero)
-    uav = UavMemory((still, still, still), zero, world.uav.position)
+    uav = UavMemory((still, still, still), zero, zero, world.uav.position)
     return Memory(arena, uav, tuple(UgvMemory(still, zero) for _ in world.ugvs))
 
 
@@ -118,7 +139,8 @@ def in_turn(
     net: Deciding, memory: Memory, world: WorldState, commands: Commands
 ) -> tuple[Memory, tuple[Verdict, ...]]:
     """(memory, verdicts), the UAV's first."""
-    tube = uav_tube(net.contract, net.uav, world.uav, memory.uav.sent, world.t - world.uav.stamp)
+    age = world.t - world.uav.stamp
+    tube = uav_tube(net.contract, net.uav, world.uav, memory.uav.sent, memory.uav.spin, age)
     commitments = [
         _commitment(net, stop, ugv, remembered, world.t)
         for stop, ugv, remembered in zip(net.ugvs, world.ugvs, memory.ugvs, strict=True)
@@ -143,8 +165,10 @@ def sent_instead(memory: Memory, world: WorldState, instead: Commands) -> Memory
     """What was really sent is what the next stop begins with; a UAV that was sent something else holds no point."""
     c = instead.uav
     x, y = world.uav.attitude.heading().to_world(c.forward, c.left)
-    axes = tuple(axis.instead(value) for axis, value in zip(memory.uav.sent, (x, y, c.up), strict=True))
-    adrift = UavMemory(axes, 0.0 * memory.uav.holding, memory.uav.point)
+    along_x, along_y, along_z = memory.uav.sent
+    axes = (along_x.instead(x), along_y.instead(y), along_z.instead(c.up))
+    spin = maximum(memory.uav.spin, abs(c.turn))
+    adrift = UavMemory(axes, spin, 0.0 * memory.uav.holding, memory.uav.point)
     uav = where(isfinite(x + y + c.up + c.turn), adrift, memory.uav)
     ugvs = tuple(
         where(isfinite(c.forward + c.turn), UgvMemory(ugv.sent.instead(c.forward), c.turn), ugv)
@@ -171,26 +195,52 @@ def _uav(
     forward, left = clip(proposed.forward, -stop.most, stop.most), clip(proposed.left, -stop.most, stop.most)
     x, y = heading.to_world(forward, left)
     wanted = Vec3(x, y, clip(proposed.up, -stop.most_up, stop.most_up))
-    number = isfinite(wanted.x + wanted.y + wanted.z + proposed.turn)
+    turn = clip(proposed.turn, -stop.most_turn, stop.most_turn)
+    number = isfinite(wanted.x + wanted.y + wanted.z + turn)
     fresh = _fresh(net.contract, age)
     tightest, gap = _tightest(faces)
-    passes, chosen = net.decide_uav(UavTurn(wanted, number & fresh, faces, tightest))
+    known = number & fresh & _whole(world.uav)
+    passes, chosen = net.decide_uav(UavTurn(wanted, known, faces, heading))
     memory, held = _hold(net.contract, memory, world.uav, age, tube, tightest, passes)
-    velocity = where(passes, chosen, held)
-    forward_sent, left_sent = heading.from_world(velocity.x, velocity.y)
+    held = where(age <= 2.0 * net.contract.age, held, _adrift(faces, age))
     same = passes & (chosen.x == wanted.x) & (chosen.y == wanted.y) & (chosen.z == wanted.z)
-    zero = 0.0 * held.x
-    turn = where(passes, proposed.turn, zero)
-    sent = VelocityCommand(where(same, forward, forward_sent), where(same, left, left_sent), velocity.z, turn)
+    zero = 0.0 * memory.holding
+    sent = _within(stop, where(passes, chosen, held), heading)
+    sent = where(same, VelocityCommand(forward, left, wanted.z, zero), sent)
+    sent = replace(sent, turn=where(passes, turn, zero))
+    x, y = heading.to_world(sent.forward, sent.left)
+    velocity = where(isfinite(x + y), Vec3(x, y, sent.up), Vec3(zero, zero, zero))
     share = filter_share(net.contract, stop)
-    axes = tuple(
-        axis.then(value, share)
-        for axis, value in zip(memory.sent, (velocity.x, velocity.y, velocity.z), strict=True)
+    along_x, along_y, along_z = memory.sent
+    axes = (
+        along_x.then(velocity.x, share),
+        along_y.then(velocity.y, share),
+        along_z.then(velocity.z, share),
     )
-    more = velocity * stop.hold_over
-    tube = tube._replace(early=tube.early + more, late=tube.late + more)
+    spin = maximum(memory.spin * (1.0 - net.contract.period / CALMING), abs(sent.turn))
     reason = where(number, where(fresh, tightest.reason, Reason.STALE), Reason.NOT_FINITE)
-    return memory._replace(sent=axes), tube, _verdict(proposed, sent, reason, gap)
+    memory = memory._replace(sent=axes, spin=spin)
+    return memory, tube.moved(velocity * stop.hold_over), _verdict(proposed, sent, reason, gap)
+
+
+def _whole(uav: UavState) -> Scalar:
+    """Whether all that is known of the UAV is a number."""
+    p, v, q, w = uav.position, uav.velocity, uav.attitude, uav.rates
+    return isfinite(p.x + p.y + p.z + v.x + v.y + v.z + q.w + q.x + q.y + q.z + w.x + w.y + w.z)
+
+
+def _within(stop: UavStop, velocity: Vec3, heading: Heading) -> VelocityCommand:
+    """A velocity in world axes as a command, shortened to what the UAV obeys; hover if it is no number."""
+    forward, left = heading.from_world(velocity.x, velocity.y)
+    share = minimum(1.0, stop.most / maximum(maximum(abs(forward), abs(left)), 0.01))
+    up = clip(velocity.z, -stop.most_up, stop.most_up)
+    zero = 0.0
+    known = isfinite(forward + left + up)
+    return where(
+        known,
+        VelocityCommand(forward * share, left * share, up, zero),
+        VelocityCommand(zero, zero, zero, zero),
+    )
 
 
 def _hold(
@@ -223,6 +273,15 @@ def _hold(
     return memory, where(holding, ahead * PULL, Vec3(zero, zero, zero))
 
 
+def _adrift(faces: list[Face], age: Scalar) -> Vec3:
+    """What a UAV does whose pose is too old to hold by: it goes against whatever a push may be driving it into."""
+    away = Vec3(0.0 * age, 0.0 * age, 0.0 * age)
+    for face in faces:
+        short = (face.room < DRIFT * age) & (age <= BLIND)
+        away = away + Vec3(face.x, face.y, face.z) * where(short, DRIFT, 0.0)
+    return Vec3(clip(away.x, -DRIFT, DRIFT), clip(away.y, -DRIFT, DRIFT), clip(away.z, -DRIFT, DRIFT))
+
+
 def _commitment(net: Deciding, stop: UgvStop, ugv: UgvState, memory: UgvMemory, t: Scalar) -> UgvTube:
     last = memory.sent.newest[0]
     return ugv_tube(net.contract, stop, ugv, memory.sent, t - ugv.stamp, last, memory.turn)
@@ -241,12 +300,13 @@ def _ugv(
     forward = clip(proposed.forward, -stop.most, stop.most)
     turn = clip(proposed.turn, -stop.most_turn, stop.most_turn)
     number, fresh = isfinite(forward + turn), _fresh(net.contract, age)
+    known = number & fresh & isfinite(ugv.x + ugv.y + ugv.heading + ugv.speed + ugv.turn_rate)
     halt = ugv_tube(net.contract, stop, ugv, memory.sent, age, 0.0, turn)
     go = ugv_tube(net.contract, stop, ugv, memory.sent, age, forward, turn)
     tightest, gap = _tightest([
         face._replace(room=face.room - go.advance(-face.x, -face.y)) for face in faces
     ])
-    passes, chosen = net.decide_ugv(stop, UgvTurn(forward, turn, number & fresh, faces, halt, go))
+    passes, chosen = net.decide_ugv(stop, UgvTurn(forward, turn, known, faces, halt, go))
     # Its hull is a disc: as long as it stands it may turn.
     stands = number & (abs(ugv.speed) <= net.contract.velocity_error)
     zero = 0.0 * memory.turn
