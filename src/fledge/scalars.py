@@ -96,6 +96,9 @@ def maximum(a: Scalar, b: Scalar) -> Scalar:
 
 def clip(x: Scalar, low: Scalar, high: Scalar) -> Scalar:
     """`x` held within [low, high]; NaN stays NaN, and `high` wins where the bounds cross."""
+    if type(x) is type(low) is type(high) is float:
+        x = x if x >= low or x != x else low
+        return x if x <= high or x != x else high
     return minimum(maximum(x, low), high)
 
 

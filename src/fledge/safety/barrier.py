@@ -91,12 +91,10 @@ class Barrier(AbstractNet):
     def decide_ugv(self, stop: UgvStop, turn: UgvTurn) -> tuple[Scalar, Scalar]:
         """The nearest speed after which the UGV could still stop."""
         fastest, slowest = stop.most, -stop.most
-        for face in turn.faces:
-            room = maximum(face.room - turn.stop.advance(-face.x, -face.y), 0.0)
-            ahead = turn.go._replace(ahead=1.0, astern=0.0).advance(-face.x, -face.y)
-            astern = turn.go._replace(ahead=0.0, astern=1.0).advance(-face.x, -face.y)
-            fastest = minimum(fastest, self._speed(room, ahead, stop))
-            slowest = maximum(slowest, -self._speed(room, astern, stop))
+        for face, (forwards, backwards) in zip(turn.faces, turn.shares, strict=True):
+            room = maximum(face.room - turn.stop.along((forwards, backwards)), 0.0)
+            fastest = minimum(fastest, self._speed(room, forwards, stop))
+            slowest = maximum(slowest, -self._speed(room, backwards, stop))
         return turn.known, clip(turn.forward, slowest, fastest)
 
     def _speed(self, room: Scalar, share: Scalar, stop: UgvStop) -> Scalar:

@@ -60,10 +60,10 @@ class StopTube(AbstractNet):
     def decide_ugv(self, stop: UgvStop, turn: UgvTurn) -> tuple[Scalar, Scalar]:
         """The command as it is, if it leaves room before every face, or leads no nearer where there is none."""
         passes = turn.known
-        only = turn.go._replace(ahead=maximum(turn.forward, 0.0), astern=maximum(-turn.forward, 0.0))
-        for face in turn.faces:
-            room = self._kept(face, face.room - turn.go.advance(-face.x, -face.y))
-            passes = passes & ((room >= 0.0) | (only.advance(-face.x, -face.y) <= 0.0))
+        for face, (forwards, backwards) in zip(turn.faces, turn.shares, strict=True):
+            room = self._kept(face, face.room - turn.go.along((forwards, backwards)))
+            nearer = maximum(turn.forward * forwards, -turn.forward * backwards)
+            passes = passes & ((room >= 0.0) | (nearer <= 0.0))
         return passes, turn.forward
 
     def overruled(self, memory: Memory, world: WorldState, instead: Commands) -> Memory:

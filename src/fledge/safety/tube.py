@@ -86,13 +86,20 @@ class UgvTube(NamedTuple):
     swing: Scalar
     """By how much its nose may turn meanwhile [rad]."""
 
-    def advance(self, x: Scalar, y: Scalar) -> Scalar:
-        """How far that goes along the unit vector (x, y), whichever way it turns [m]."""
+    def shares(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
+        """Which share of its way forwards, and in reverse, leads along the unit vector (x, y), however it turns."""
         towards = self.nose.cos * x + self.nose.sin * y
         aside = abs(self.nose.cos * y - self.nose.sin * x) * self.swing
-        forwards = self.ahead * clip(towards + aside, 0.0, 1.0)
-        backwards = self.astern * clip(aside - towards, 0.0, 1.0)
-        return maximum(forwards, backwards)
+        return clip(towards + aside, 0.0, 1.0), clip(aside - towards, 0.0, 1.0)
+
+    def along(self, shares: tuple[Scalar, Scalar]) -> Scalar:
+        """How far it goes, of these shares [m]."""
+        forwards, backwards = shares
+        return maximum(self.ahead * forwards, self.astern * backwards)
+
+    def advance(self, x: Scalar, y: Scalar) -> Scalar:
+        """How far it goes along the unit vector (x, y) [m]."""
+        return self.along(self.shares(x, y))
 
 
 class Sent(NamedTuple):

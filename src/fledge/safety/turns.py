@@ -93,6 +93,8 @@ class UgvTurn(NamedTuple):
     """Whether they are numbers, and what is known of the UGV is fresh."""
     faces: list[Face]
     """Their room does not count the UGV's own way yet."""
+    shares: list[tuple[Scalar, Scalar]]
+    """Which share of its way forwards, and in reverse, leads to each face."""
     stop: UgvTube
     """Its way if it is told to stop now, turning as proposed."""
     go: UgvTube
@@ -162,14 +164,18 @@ def in_turn(
 
 
 def sent_instead(memory: Memory, world: WorldState, instead: Commands) -> Memory:
-    """What was really sent is what the next stop begins with; a UAV that was sent something else holds no point."""
-    c = instead.uav
+    """What was really sent is what the next stop begins with; a UAV that was sent elsewhere holds no point."""
+    c, uav = instead.uav, memory.uav
     x, y = world.uav.attitude.heading().to_world(c.forward, c.left)
-    along_x, along_y, along_z = memory.uav.sent
-    axes = (along_x.instead(x), along_y.instead(y), along_z.instead(c.up))
-    spin = maximum(memory.uav.spin, abs(c.turn))
-    adrift = UavMemory(axes, spin, 0.0 * memory.uav.holding, memory.uav.point)
-    uav = where(isfinite(x + y + c.up + c.turn), adrift, memory.uav)
+    level, up, turn = isfinite(x + y), isfinite(c.up), isfinite(c.turn)
+    along_x, along_y, along_z = uav.sent
+    axes = (
+        where(level, along_x.instead(x), along_x),
+        where(level, along_y.instead(y), along_y),
+        where(up, along_z.instead(c.up), along_z),
+    )
+    spin = where(turn, maximum(uav.spin, abs(c.turn)), uav.spin)
+    uav = UavMemory(axes, spin, where(level, 0.0 * uav.holding, uav.holding), uav.point)
     ugvs = tuple(
         where(isfinite(c.forward + c.turn), UgvMemory(ugv.sent.instead(c.forward), c.turn), ugv)
         for ugv, c in zip(memory.ugvs, instead.ugvs, strict=True)
@@ -303,10 +309,12 @@ def _ugv(
     known = number & fresh & isfinite(ugv.x + ugv.y + ugv.heading + ugv.speed + ugv.turn_rate)
     halt = ugv_tube(net.contract, stop, ugv, memory.sent, age, 0.0, turn)
     go = ugv_tube(net.contract, stop, ugv, memory.sent, age, forward, turn)
+    # It turns as far whether it stops or goes.
+    shares = [go.shares(-face.x, -face.y) for face in faces]
     tightest, gap = _tightest([
-        face._replace(room=face.room - go.advance(-face.x, -face.y)) for face in faces
+        face._replace(room=face.room - go.along(share)) for face, share in zip(faces, shares, strict=True)
     ])
-    passes, chosen = net.decide_ugv(stop, UgvTurn(forward, turn, known, faces, halt, go))
+    passes, chosen = net.decide_ugv(stop, UgvTurn(forward, turn, known, faces, shares, halt, go))
     # Its hull is a disc: as long as it stands it may turn.
     stands = number & (abs(ugv.speed) <= net.contract.velocity_error)
     zero = 0.0 * memory.turn
