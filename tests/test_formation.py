@@ -150,7 +150,39 @@ def test_no_ugv_is_told_to_leave_the_ground_or_to_go_faster_than_it_may(scattere
     for told in CONTROL.commands(ugvs, standing(), orientation, Arena.square()):
         assert (told.left, told.up) == (0.0, 0.0)
         assert abs(told.forward) <= CONTROL.max_speed
-        assert math.isfinite(told.turn)
+        assert abs(told.turn) <= CONTROL.max_turn
+
+
+def lone(x, y, heading, **limits) -> float:
+    """The speed that a UGV at (x, y) is told on its way to a far corner in the east, the others being far away."""
+    ugvs = placed([(x, y), (0.0, 30.0), (0.0, -30.0)], heading)
+    control = replace(CONTROL, **limits)
+    target = standing(0.8, x=20.0, y=y)
+    return control.commands(ugvs, target, 0.0, replace(OPEN, bounds=Box(-5.0, 5.0, -50.0, 50.0)))[0].forward
+
+
+def test_nothing_is_approached_faster_than_a_stop_allows_that_a_lost_link_delays():
+    """0.6 s at the command, then braking at the 0.7 m/s^2 that the nets' contract leaves: it ends before the wall."""
+    for gap in (0.1, 0.2, 0.4, 0.8, 2.0):
+        speed = lone(5.0 - CONTROL.fleet[0].radius - gap, 0.0, 0.0)
+        assert 0.0 < speed <= CONTROL.max_speed
+        assert 0.6 * speed + speed**2 / (2.0 * 0.7) <= gap
+
+
+def test_a_turning_ugv_counts_on_where_its_turn_may_lead_it():
+    beside = (5.0 - CONTROL.fleet[0].radius - 0.2, 0.0, -1.3)
+    assert 0.0 < lone(*beside) < lone(*beside, foresight=0.0)
+
+
+def test_of_two_that_approach_each_other_the_later_one_makes_allowance():
+    """The first UGV comes from the west, the second from the east, each towards a corner behind the other."""
+    start = placed([(-0.6, 0.0), (0.6, 0.0), (0.0, -30.0)])
+    behind = replace(CONTROL, pull=2.0)
+    told = behind.commands(start, standing(0.8), 0.0, OPEN)
+    first, second = told[0].forward, -told[1].forward
+    gap = 1.2 - CONTROL.fleet[0].radius - CONTROL.fleet[1].radius
+    assert first > 0.0
+    assert first + max(second, 0.0) <= CONTROL.approach * gap
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -204,7 +236,7 @@ def test_walls_hold_a_formation_that_is_told_to_leave():
 @pytest.mark.parametrize("aside", (-0.3, -0.15, 0.15, 0.3))
 def test_a_box_in_the_way_squeezes_the_formation_which_then_recovers(aside):
     """The first UGV's way leads over a small box, a little off its middle; the others have room."""
-    rows = 500
+    rows = 540
     x = np.clip(-2.5 + 0.25 * np.maximum(np.arange(rows) / ROW_RATE - 1.0, 0.0), -2.5, 2.5)
     track = FormationTrack.through(x, np.zeros(rows), np.full(rows, 0.8))
     place = 0.8 + aside

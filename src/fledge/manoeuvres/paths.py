@@ -1,7 +1,7 @@
 """Paths the formation's centre follows: seven families, two of them held out for testing (D10).
 
 A path is a polyline in the plane, shape (points, 2) [m], inside a square around the origin. `travel` moves along
-it at a speed that changes smoothly between 0.1 and 0.4 m/s, turning back at its ends.
+it at a speed that changes smoothly between 0.1 and 0.3 m/s, turning back at its ends.
 """
 
 from collections.abc import Callable
@@ -13,8 +13,9 @@ from scipy.ndimage import gaussian_filter1d
 
 from fledge.observation import ROW_RATE
 
-SPEEDS = (0.1, 0.4)
-"""[m/s] slowest and fastest cruise (D10)."""
+SPEEDS = (0.1, 0.3)
+"""[m/s] slowest and fastest cruise (D10). In the tightest formation hulls are 0.3 m apart, and within that a UGV that
+follows another may count on no more: were its link lost, it would go on for 0.6 s before it brakes."""
 
 ACCELERATION = 0.25
 """[m/s^2] of the centre along the path; chosen well below the Pioneers' 1 m/s^2."""
