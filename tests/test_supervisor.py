@@ -137,16 +137,10 @@ def test_what_does_not_fly_is_not_steered(mode):
     assert (flight.mode, flight.sent) == (mode, HOVER)
 
 
-def test_a_landing_is_held_back_by_all_but_the_floor():
+def test_on_the_floor_a_landing_keeps_to_the_place_that_the_net_holds():
     floor = Supervisor(Steer(R.FLOOR))
-    assert WAYS[M.LAND](supervisor=floor).sent == VelocityCommand(0.0, 0.0, -0.3, 0.0)
+    assert WAYS[M.LAND](supervisor=floor).sent == replace(ESCAPE, up=-0.3)
     assert WAYS[M.AUTO](supervisor=floor).sent == ESCAPE
-
-
-def test_a_net_that_is_blind_does_not_steer():
-    for age in (0.12, 0.3, 1.0):
-        for flight in auto(supervisor=STEERED).fly(age + 0.04, pose_age=age).history(0.5):
-            assert flight.sent == HOVER
 
 
 @pytest.mark.parametrize("bad", (nan, inf))
@@ -169,12 +163,14 @@ def test_not_even_a_net_gets_nonsense_through(mode, bad):
 class Listener(AbstractNet):
     """Remembers what it was last asked, and what was sent instead of its answer."""
 
+    why: R = R.WALL
+
     def init(self, arena, world):
         return ()
 
     def filter(self, memory, world, commands):
         asked = (commands.uav, *commands.ugvs)
-        return asked, tuple(Verdict(ESCAPE, 1.0, float(R.WALL), 0.1) for _ in asked)
+        return asked, tuple(Verdict(ESCAPE, 1.0, float(self.why), 0.1) for _ in asked)
 
     def overruled(self, memory, world, instead):
         return memory[0], instead.uav
@@ -192,8 +188,8 @@ def none(command: VelocityCommand) -> bool:
 def test_who_is_not_to_fly_anywhere_is_the_net_s_to_hold(mode):
     """No command, and not one of zero velocity, by which a vehicle drifts."""
     asked, _ = WAYS[mode](supervisor=LISTENED).memory.net
-    flown = {M.AUTO: WISH, M.SHIELDED: TOO_FAST, M.MANUAL: HOVER, M.LAND: DOWN}
-    if mode in (*flown, M.RECOVER):
+    flown = {M.AUTO: WISH, M.SHIELDED: TOO_FAST, M.MANUAL: HOVER}
+    if mode in (*flown, M.RECOVER, M.LAND):
         assert asked == flown.get(mode, asked) and not none(asked)
     else:
         assert none(asked)
@@ -209,13 +205,30 @@ def test_a_net_is_told_what_was_sent_against_its_word_and_only_that(mode):
         assert none(instead) and flight.sent == ESCAPE
 
 
-def test_a_net_is_told_of_what_a_blind_vehicle_was_sent_and_of_the_dead_man_s_command():
+def test_what_a_vehicle_does_that_is_not_seen_is_the_net_s_to_say_but_for_a_landing():
     blind = auto(supervisor=LISTENED).fly(0.3, pose_age=0.2)
-    assert blind.memory.net[1] == blind.sent == HOVER
-    landing = auto(supervisor=LISTENED).fly(0.1, pose_age=0.2, land=1.0)
+    assert none(blind.memory.net[0]) and none(blind.memory.net[1]) and blind.sent == ESCAPE
+    landing = blind.fly(0.1, land=1.0)
     assert landing.memory.net[1] == landing.sent == DOWN
+
+
+def test_a_net_is_told_of_the_dead_man_s_command_and_of_a_descent():
     escaping = auto(supervisor=LISTENED).fly(0.1, switch=1.0, command=TOO_FAST, dead_man=1.0)
     assert escaping.memory.net[1] == escaping.sent == TOO_FAST
+    landing = WAYS[M.LAND](supervisor=Supervisor(Listener(R.FLOOR)))
+    assert landing.memory.net[1].up == -0.3 and none(landing.memory.net[1])
+
+
+def test_a_landing_that_is_held_back_goes_aside_and_tries_again():
+    """Towards the corner, and up, over what is in the way; who flies at (0, 0) has it at (-4, -4)."""
+    flight = auto(supervisor=LISTENED).fly(0.02, land=1.0)
+    assert flight.memory.net[0] == DOWN
+    flight = flight.fly(0.1)
+    aside = flight.memory.net[0]
+    assert aside.up == 0.3
+    assert (aside.forward, aside.left) == pytest.approx((-0.3 / 2**0.5, -0.3 / 2**0.5))
+    free = replace(flight, supervisor=Supervisor(NET), memory=flight.memory._replace(net=()))
+    assert free.fly(0.3).sent == aside and free.fly(0.7).sent == DOWN
 
 
 # What is written about it.

@@ -10,30 +10,29 @@ The watchdog says what may be believed, the table of modes who flies, layer one 
 | RECOVER | from the last command sent to the policy's, faded over `settle` | yes |
 | HOLD, STOPPED | none | yes |
 | MANUAL | the person's | yes, unless the dead-man switch is held |
-| LAND | straight down at `descent` | yes, but for the floor |
+| LAND | down at `descent`, or up and aside where that was held back | yes, but for the floor |
 | INIT, READY, TERMINATED | none | no |
 
-No command is for the net to answer, which brakes and holds a point; where there is no net it is zero velocity.
-
-A net that does not see must not steer: a vehicle whose pose is older than the net is built for gets its command as it
-is, unless a person flies. Whatever the net did not say itself it is told (`AbstractNet.overruled`), since the room that
-it keeps is for stopping from what was really sent.
+No command is for the net to answer, which brakes and holds a point; where there is no net it is zero velocity. Only a
+blind landing does not pass the net: what a net does not see cannot hold it back. Whatever the net did not say itself
+it is told (`AbstractNet.overruled`), since the room that it keeps is for stopping from what was really sent.
 
 Nothing here reads a clock: timers are differences of the times that come in. What a mode means for motors (off in INIT,
 READY and TERMINATED) is for the link to the vehicle.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import nan
 from typing import Any, NamedTuple
 
+from fledge.geometry import Vec3
 from fledge.inputs import HOVER, Inputs, Operator, finite, said, sane
 from fledge.modes import TABLE, Mode, Row, Trigger, advance
 from fledge.safety.base import AbstractNet
-from fledge.scalars import Scalar, clip, negate, where
+from fledge.scalars import Scalar, clip, maximum, negate, sqrt, where
 from fledge.tracking import LEAD
 from fledge.watchdog import Alarm, Severity, Watch, Watchdog
-from fledge.world import Arena, Commands, Reason, VelocityCommand, Verdict, WorldState
+from fledge.world import Arena, Commands, Reason, UavState, VelocityCommand, Verdict, WorldState
 
 IDLE = (Mode.INIT, Mode.READY, Mode.TERMINATED)
 
@@ -56,7 +55,7 @@ class Post(NamedTuple):
     alarmed: Scalar
     """When there was last an alarm that acts [s]."""
     held_back: Scalar
-    """When something of the policy's was last held back [s]."""
+    """When something of the policy's was last held back, or a landing [s]."""
     at_rest: Scalar
     """When the sticks were last near their middle [s]."""
     free: Scalar
@@ -71,10 +70,11 @@ class Memory(NamedTuple):
     watch: Watch
     net: Any
     posts: tuple[Post, ...]
+    pad: Vec3
+    """Towards which a landing goes aside that is held back [m]."""
 
 
-@dataclass(frozen=True, slots=True)
-class Decision:
+class Decision(NamedTuple):
     """What layer two decided on one vehicle."""
 
     mode: Scalar
@@ -102,6 +102,8 @@ class Situation(NamedTuple):
     """Whether its pose is too old for a net."""
     descent: VelocityCommand
     """How it lands."""
+    aside: VelocityCommand
+    """Where it goes while something is in the way of that."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,6 +120,7 @@ class Supervisor:
     neutral: float = 0.1  # share of full deflection that counts as hands off; chosen
     silence: float = 0.5  # [s] without the link that end MANUAL; PX4's COM_RC_LOSS_T
     descent: float = 0.3  # [m/s]; chosen
+    inset: float = 1.0  # [m] from both walls of a corner: where a landing that is held back goes; chosen
     table: tuple[Row, ...] = field(default=TABLE, metadata={"static": True})
 
     def init(self, arena: Arena, world: WorldState) -> Memory:
@@ -126,26 +129,28 @@ class Supervisor:
         past = t - LONG_AGO
         post = Post(float(Mode.INIT), float(Reason.NOT_READY), t, past, past, t, 0.0, HOVER)
         vehicles = 1 + len(world.ugvs)
-        return Memory(self.watchdog.init(world), self.net.init(arena, world), (post,) * vehicles)
+        pad = Vec3(arena.bounds.x_min + self.inset, arena.bounds.y_min + self.inset, 0.0)
+        return Memory(self.watchdog.init(world), self.net.init(arena, world), (post,) * vehicles, pad)
 
     def step(self, memory: Memory, inputs: Inputs) -> tuple[Memory, tuple[Decision, ...]]:
         """(memory, one decision per vehicle, the UAV first)."""
         watch, world, alarms = self.watchdog.check(memory.watch, inputs)
-        situations = self._situations(world, alarms, inputs)
+        situations = self._situations(world, alarms, inputs, memory.pad)
         posts = [self._post(*pair) for pair in zip(memory.posts, situations, strict=True)]
         wanted = [self._wanted(*pair) for pair in zip(posts, situations, strict=True)]
         net, verdicts = self.net.filter(memory.net, world, _commands(wanted))
         done = [self._decide(*vehicle) for vehicle in zip(posts, situations, wanted, verdicts, strict=True)]
         net = self.net.overruled(net, world, _commands([instead for _, _, instead in done]))
         kept, decisions = tuple(post for post, _, _ in done), tuple(decision for _, decision, _ in done)
-        return Memory(watch, net, kept), decisions
+        return Memory(watch, net, kept, memory.pad), decisions
 
     def _situations(
-        self, world: WorldState, alarms: tuple[Alarm, ...], inputs: Inputs
+        self, world: WorldState, alarms: tuple[Alarm, ...], inputs: Inputs, pad: Vec3
     ) -> tuple[Situation, ...]:
         grounded = inputs.airborne <= 0.5
         always = grounded | True
         landing = VelocityCommand(0.0, 0.0, -self.descent, 0.0)
+        aside = _aside(pad, world.uav, self.descent)
         too_old = self.watchdog.poses[0][0]
         states, commands = (world.uav, *world.ugvs), (inputs.proposed.uav, *inputs.proposed.ugvs)
         return tuple(
@@ -159,6 +164,7 @@ class Supervisor:
                 always if i else grounded,
                 negate(world.t - state.stamp <= too_old),
                 HOVER if i else landing,
+                HOVER if i else aside,
             )
             for i, state in enumerate(states)
         )
@@ -212,7 +218,9 @@ class Supervisor:
         """What the vehicle is to do, before the net has a look."""
         share = clip((s.now - post.since) / self.settle, 0.0, 1.0)
         faded = post.origin.scaled(1.0 - share) + s.proposed.scaled(share)
-        wanted = where(_in(post, Mode.LAND), s.descent, NOTHING)
+        held_back = (post.held_back >= post.since) & (s.now - post.held_back <= self.shown)
+        down = where(held_back & negate(s.blind), s.aside, s.descent)
+        wanted = where(_in(post, Mode.LAND), down, NOTHING)
         wanted = where(_in(post, Mode.MANUAL) & sane(s.operator), s.operator.command, wanted)
         wanted = where(_in(post, Mode.RECOVER), faded, wanted)
         return where(_in(post, Mode.AUTO, Mode.SHIELDED) & negate(s.braking), s.proposed, wanted)
@@ -222,16 +230,18 @@ class Supervisor:
     ) -> tuple[Post, Decision, VelocityCommand]:
         """(what is remembered, what is sent and why, what of it is not the net's)."""
         manual, policy = _in(post, Mode.MANUAL), _in(post, Mode.AUTO, Mode.SHIELDED)
-        alone = where(manual, said(s.operator.dead_man), s.blind) | _in(post, *IDLE)
-        # A landing is held back by whatever is below, but for the floor.
-        alone = alone | (_in(post, Mode.LAND) & (net.reason == float(Reason.FLOOR)))
+        landing = _in(post, Mode.LAND)
+        alone = _in(post, *IDLE) | (landing & s.blind) | (manual & said(s.operator.dead_man))
+        # Held back by the floor alone, it comes down, and keeps to the place that the net holds.
+        floor = landing & negate(alone) & (net.reason == float(Reason.FLOOR))
         mute = negate(alone) & negate(finite(net.command))
-        filtered = negate(alone) & negate(net.intervened <= 0.5)
+        filtered = negate(alone | floor) & negate(net.intervened <= 0.5)
         braking = policy & s.braking
         broken = (mute & finite(wanted)) | (manual & negate(sane(s.operator)))
         reason = where((policy | manual) & filtered, net.reason, post.reason)
         reason = where(broken, float(Reason.NOT_FINITE), where(braking, s.alarm.reason, reason))
-        sent = where(alone, wanted, net.command)
+        onto = VelocityCommand(net.command.forward, net.command.left, wanted.up, 0.0)
+        sent = where(alone, wanted, where(floor, onto, net.command))
         sent = where(finite(sent), sent, HOVER)
         held_back = filtered | braking | broken
         kept = Post(
@@ -239,14 +249,23 @@ class Supervisor:
             post.reason,
             post.since,
             post.alarmed,
-            where(policy & held_back, s.now, post.held_back),
+            where((policy & held_back) | (landing & filtered), s.now, post.held_back),
             post.at_rest,
             where(manual & negate(net.intervened <= 0.5), 0.0, 1.0),
             where(_in(post, Mode.RECOVER), post.origin, sent),
         )
         intervened = where(policy & negate(held_back), 0.0, 1.0)
         decision = Decision(post.mode, Verdict(sent, intervened, reason, net.clearance), s.alarm)
-        return kept, decision, where(alone | mute, sent, NOTHING)
+        instead = where(alone | mute, sent, where(floor, replace(NOTHING, up=sent.up), NOTHING))
+        return kept, decision, instead
+
+
+def _aside(place: Vec3, uav: UavState, speed: float) -> VelocityCommand:
+    """Towards a place, and up: over what is in the way."""
+    dx, dy = place.x - uav.position.x, place.y - uav.position.y
+    share = speed / maximum(sqrt(dx * dx + dy * dy), speed)
+    forward, left = uav.attitude.heading().from_world(dx * share, dy * share)
+    return VelocityCommand(forward, left, speed, 0.0)
 
 
 def _commands(each: list[VelocityCommand]) -> Commands:

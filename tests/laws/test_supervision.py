@@ -8,9 +8,9 @@ from fledge.geometry import Quat, Vec3
 from fledge.inputs import Inputs, Operator
 from fledge.modes import Mode
 from fledge.safety import NoNet
-from fledge.simulation import pytree, stack
-from fledge.supervisor import Decision, Supervisor
-from fledge.world import Arena, Commands, Reason, UavState, UgvState, VelocityCommand, Verdict, WorldState
+from fledge.simulation import stack
+from fledge.supervisor import Supervisor
+from fledge.world import Arena, Commands, Reason, UavState, UgvState, VelocityCommand, WorldState
 
 pytestmark = pytest.mark.slow
 
@@ -88,10 +88,8 @@ def flights():
     uav = UavState(Vec3(0.0, 0.0, 2.0), still, Quat(1.0, 0.0, 0.0, 0.0), still, 0.0)
     begin = WorldState(0.0, uav, tuple(UgvState(float(k), 0.0, 0.0, 0.0, 0.0, 0.0) for k in range(UGVS)))
     start = SUPERVISOR.init(Arena.square(), begin)
-    # Stacking makes pytrees of the records; so does naming those that only come out.
+    # Stacking makes pytrees of the records.
     stack([(start, Inputs.unattended(begin, Commands(hover, (hover,) * UGVS)))])
-    for kind in (Decision, Verdict):
-        pytree(kind)
     told = [flight(seed) for seed in range(FLIGHTS)]
     plain = []
     for inputs in told:

@@ -26,5 +26,5 @@ class AbstractNet(ABC):
         """
 
     def overruled(self, memory: Any, world: WorldState, instead: Commands) -> Any:
-        """The memory once other commands were sent than the last verdicts'; NaN where the verdict's was sent."""
+        """The memory once something else was sent than the last verdicts; NaN wherever they were obeyed."""
         return memory
