@@ -25,12 +25,12 @@ LAYERS = (
     ("tables", "wording"),
     ("storage",),
     ("experiments",),
-    ("findings",),
-    ("setups",),
+    ("findings", "restraint"),
+    ("setups", "bill"),
     ("evaluation", "statistics", "training", "crossover", "metrics"),
     ("split",),
     ("fusion", "policy", "recipe"),
-    ("demonstrations", "overruns", "sorties"),
+    ("demonstrations", "overruns", "sorties", "berth"),
     ("retreat", "melee"),
     ("scenarios",),
     ("simulation",),
@@ -66,6 +66,7 @@ MAY_USE_JAX = {
     *("experiments", "findings", "setups", "evaluation", "training", "crossover", "simulation"),
     *("overruns", "scenarios", "retreat", "melee", "sorties"),
     *("demonstrations", "fusion", "split"),
+    *("berth", "bill", "restraint"),
     *("storage.checkpoints", "storage.results"),
 }
 """The simulator and what stands on it, the collecting of demonstrations included. All else serves a lab without JAX:

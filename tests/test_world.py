@@ -10,6 +10,8 @@ from hypothesis import strategies as st
 
 from fledge.errors import FledgeError
 from fledge.geometry import Box, Quat, Vec3
+from fledge.lookup import ARENAS
+from fledge.storage import read_arena
 from fledge.world import Arena, Obstacle, UavState, VelocityCommand, check_arena, settle_on_floor
 
 number = st.floats(-10.0, 10.0, allow_subnormal=False)
@@ -125,3 +127,7 @@ def test_the_floor_settles_many_at_once():
     after = settle_on_floor(uav(np.array([-1.0, 2.0]), np.array([-3.0, -3.0])))
     np.testing.assert_array_equal(after.position.z, [0.0, 2.0])
     np.testing.assert_array_equal(after.velocity.z, [0.0, -3.0])
+
+
+def test_the_lab_is_the_one_in_the_file():
+    assert Arena.lab() == read_arena(ARENAS["lab"])

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from fledge.dynamics import Pioneer, Quadrotor
 from fledge.scalars import Scalar, maximum, minimum, sqrt, where
-from fledge.world import Arena, WorldState
+from fledge.world import Arena, UgvState, WorldState
 
 TINY = 1e-9
 
@@ -31,6 +31,14 @@ def clearances(
     return tuple(clearance(arena, world, uav, fleet, i) for i in range(1 + len(fleet)))
 
 
+def from_things(
+    arena: Arena, world: WorldState, uav: Quadrotor, fleet: tuple[Pioneer, ...]
+) -> tuple[Nearest, ...]:
+    """The nearest wall or obstacle of every vehicle, whatever else is nearer: the UAV's first, then the UGVs'."""
+    ugvs = zip(world.ugvs, fleet, strict=True)
+    return (_things_of_uav(arena, world, uav), *(_things_of_ugv(arena, ugv, model) for ugv, model in ugvs))
+
+
 def clearance(
     arena: Arena, world: WorldState, uav: Quadrotor, fleet: tuple[Pioneer, ...], vehicle: int
 ) -> Nearest:
@@ -42,13 +50,10 @@ def clearance(
 
 def _of_uav(arena: Arena, world: WorldState, uav: Quadrotor, fleet: tuple[Pioneer, ...]) -> Nearest:
     p = world.uav.position
-    nearest = _walls(arena, p.x, p.y, uav.radius)
+    nearest = _things_of_uav(arena, world, uav)
     low, zero = p.z - uav.half_height, 0.0 * p.x
     nearest = _nearer(nearest, Nearest(low, zero, zero, zero - 1.0))
     nearest = _nearer(nearest, Nearest(arena.ceiling - p.z - uav.half_height, zero, zero, zero + 1.0))
-    for obstacle in arena.obstacles:
-        dx, dy = obstacle.footprint.gap(p.x, p.y)
-        nearest = _nearer(nearest, _beside_or_above(dx, dy, uav.radius, low - obstacle.height))
     for ugv, model in zip(world.ugvs, fleet, strict=True):
         reach = uav.radius + model.radius
         nearest = _nearer(nearest, _beside_or_above(p.x - ugv.x, p.y - ugv.y, reach, low - model.height))
@@ -57,9 +62,7 @@ def _of_uav(arena: Arena, world: WorldState, uav: Quadrotor, fleet: tuple[Pionee
 
 def _of_ugv(arena: Arena, world: WorldState, uav: Quadrotor, fleet: tuple[Pioneer, ...], i: int) -> Nearest:
     me, radius, zero = world.ugvs[i], fleet[i].radius, 0.0 * world.ugvs[i].x
-    nearest = _walls(arena, me.x, me.y, radius)
-    for obstacle in arena.obstacles:
-        nearest = _nearer(nearest, _beside(*obstacle.footprint.gap(me.x, me.y), radius))
+    nearest = _things_of_ugv(arena, me, fleet[i])
     for j, other in enumerate(world.ugvs):
         if j != i:
             nearest = _nearer(nearest, _beside(me.x - other.x, me.y - other.y, radius + fleet[j].radius))
@@ -67,6 +70,23 @@ def _of_ugv(arena: Arena, world: WorldState, uav: Quadrotor, fleet: tuple[Pionee
     above = p.z - uav.half_height - fleet[i].height
     over = _beside_or_above(me.x - p.x, me.y - p.y, radius + uav.radius, above)
     return _nearer(nearest, over._replace(z=zero))
+
+
+def _things_of_uav(arena: Arena, world: WorldState, uav: Quadrotor) -> Nearest:
+    p = world.uav.position
+    nearest = _walls(arena, p.x, p.y, uav.radius)
+    for obstacle in arena.obstacles:
+        dx, dy = obstacle.footprint.gap(p.x, p.y)
+        above = p.z - uav.half_height - obstacle.height
+        nearest = _nearer(nearest, _beside_or_above(dx, dy, uav.radius, above))
+    return nearest
+
+
+def _things_of_ugv(arena: Arena, ugv: UgvState, model: Pioneer) -> Nearest:
+    nearest = _walls(arena, ugv.x, ugv.y, model.radius)
+    for obstacle in arena.obstacles:
+        nearest = _nearer(nearest, _beside(*obstacle.footprint.gap(ugv.x, ugv.y), model.radius))
+    return nearest
 
 
 def _walls(arena: Arena, x: Scalar, y: Scalar, radius: float) -> Nearest:

@@ -20,6 +20,8 @@ from fledge.manoeuvres import AbstractManoeuvre, Combined
 from fledge.observation import OBSERVATION_NAMES, Axes
 from fledge.pilots import AbstractPilot, HumanModel
 from fledge.policy import Contract, Policy
+from fledge.restraint import NAMED, Entry, examine, trials
+from fledge.restraint import summarise as summarise_nets
 from fledge.setups import (
     CANDIDATES,
     COMBINED_ROWS,
@@ -34,7 +36,7 @@ from fledge.setups import (
     Study,
 )
 from fledge.simulation import Case, Crew, Rig, flight_key
-from fledge.training import LossCurve, policies, train
+from fledge.training import LossCurve, member, policies, train
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,8 +91,32 @@ def run(study: Study, flights: Sequence[Flight], rig: Rig = Rig()) -> Iterator[P
     if study.development_cases:
         yield Progress("development", total - 2, total)
         development = list(choose(study, demos, rig))
+    nets = None
+    for nets in behind_nets(study, results, rig):
+        if isinstance(nets, Progress):
+            yield nets
     yield Progress("statistics", total - 1, total)
-    yield Results(study, results, summarise(study, results, operator, development, demos, rig))
+    summary = summarise(study, results, operator, development, demos, rig)
+    yield Results(study, results, summary | {"nets": nets})
+
+
+def behind_nets(
+    study: Study, results: Mapping[str, SetupResult], rig: Rig
+) -> Iterator[Progress | dict[str, Any]]:
+    """The default policy and the operator behind every net; nothing if the study has none of it."""
+    learnt = results["primitive"].policy if "primitive" in results else None
+    if not study.net_cases or learnt is None:
+        return
+    pilots: dict[str, AbstractPilot] = {"primitive": replace(member(learnt, 0), contract=None)}
+    pilots |= {"human-combined": HumanModel()} if study.operator_behind_nets else {}
+    nets = {name: NAMED[name] for name in study.nets}
+    flights = trials(study.net_cases, study.lab_cases, study.seed, study.rows)
+    entries: list[Entry] = []
+    yield Progress("nets: flights", 0, len(pilots) * len(nets))
+    for entry in examine(pilots, nets, flights, rig):
+        entries.append(entry)
+        yield Progress("nets: flights", len(entries), len(pilots) * len(nets))
+    yield summarise_nets(entries, study.rows, study.seed)
 
 
 def by_sub_task(flights: Sequence[Flight], trained_on: str = "everything") -> dict[str, Demonstrations]:

@@ -7,7 +7,7 @@ too, but along families of their own.
 """
 
 from dataclasses import dataclass, field, replace
-from typing import Literal
+from typing import Any, Literal
 
 from fledge.demonstrations import PAPER_ORDERS
 from fledge.errors import OutOfRange
@@ -144,6 +144,10 @@ CANDIDATES = tuple(
 """What the default was chosen from: fill, inputs, delay and optimiser, one change at a time."""
 
 
+NETS = ("none", "paper", "stop-tube", "paper-repaired", "conformal", "barrier")
+"""By their modules; a quick study flies the first three."""
+
+
 @dataclass(frozen=True, slots=True)
 class Study:
     """How much of it to run."""
@@ -160,6 +164,14 @@ class Study:
     seed: int = 0
     rows: int = FLIGHT_ROWS
     """Of a test flight."""
+    nets: tuple[str, ...] = NETS
+    """Behind which the default policy flies."""
+    net_cases: int = 0
+    """Of the Combined test cases; 0 leaves the nets out."""
+    lab_cases: int = 0
+    """Flights in a room of the lab's size, behind each net."""
+    operator_behind_nets: bool = False
+    """Whether the operator flies behind the nets, too."""
 
     @classmethod
     def of(cls, mode: Literal["quick", "brief", "full"], seed: int = 0) -> "Study":
@@ -167,8 +179,11 @@ class Study:
         if seed < 0:
             raise OutOfRange("seed", seed, "0 or more")
         if mode == "full":
-            return cls(mode, BASIC + FURTHER, 200, 50, 20, development_cases=100, seed=seed)
-        return cls(mode, BASIC, 200, 40, {"quick": 1, "brief": 8}[mode], seed=seed)
+            behind_nets: dict[str, Any] = {"net_cases": 200, "lab_cases": 1000, "operator_behind_nets": True}
+            return cls(mode, BASIC + FURTHER, 200, 50, 20, development_cases=100, seed=seed, **behind_nets)
+        if mode == "brief":
+            return cls(mode, BASIC, 200, 40, 8, seed=seed, net_cases=40, lab_cases=40)
+        return cls(mode, BASIC, 200, 40, 1, seed=seed, nets=NETS[:3], net_cases=20)
 
     def seeds_of(self, setup: Setup) -> int:
         """How many networks a set-up trains."""

@@ -234,6 +234,10 @@ def rollout(
     return episode
 
 
+Rollout = Callable[[tuple[Case, Crew, Rig], Any, Callable[[Any], RowNoise], Engine], Any]
+"""`rollout`, or something else to do with a scene."""
+
+
 def apart(piece: Callable[..., Any], *inputs: Any) -> Any:
     """`piece(*inputs)` inside a compiled program, as a function of its own.
 
@@ -268,13 +272,13 @@ def _row(tree: Any, i: int) -> Any:
     return jax.tree.map(pick, tree)
 
 
-def fly_plain(case: Case, crew: Crew, key: Sequence[int], rig: Rig = Rig()) -> Episode:
+def fly_plain(case: Case, crew: Crew, key: Sequence[int], rig: Rig = Rig(), roll: Rollout = rollout) -> Any:
     """Fly one case in plain Python, with the chance of `key`; leaves of shape (rows,). Any pilot will do."""
     register((case, crew))
     case = jax.tree.map(lambda leaf: leaf if np.ndim(leaf) else float(leaf), case)
     keys = jax.random.split(jax.random.wrap_key_data(_seeds([key])[0]), len(case.plan.track.x))
     chance = jax.vmap(_draw)(keys)
-    return rollout((case, crew, rig), chance, _deal, PLAIN)
+    return roll((case, crew, rig), chance, _deal, PLAIN)
 
 
 def fly(
@@ -282,7 +286,8 @@ def fly(
     crew: Crew | Sequence[Crew],
     keys: Sequence[Sequence[int]],
     rig: Rig = Rig(),
-    reduce: Callable[[Episode], Any] | None = None,
+    reduce: Callable[[Any], Any] | None = None,
+    roll: Rollout = rollout,
 ) -> Any:
     """Fly many cases in one compiled program; leaves of shape (flights, rows).
 
@@ -293,11 +298,12 @@ def fly(
         rig: vehicles and lens.
         reduce: makes something smaller of the episodes, leaves (flights, rows), inside the program: scores,
             say. Keep one function for one purpose, since each is compiled anew.
+        roll: what is done with each scene.
     """
     each = not isinstance(crew, Crew)
     crews = stack(crew) if each else crew
     register(crews)
-    flown = _compiled(rig, reduce, each)
+    flown = _compiled(rig, reduce, each, roll)
     return jax.tree.map(np.asarray, flown(stack_cases(cases), crews, _seeds(keys)))
 
 
@@ -329,8 +335,8 @@ def compiled(program: Callable[..., Any]) -> Any:
 
 
 @cache
-def _compiled(rig: Rig, reduce: Callable[[Episode], Any] | None, each: bool) -> Any:
-    return compiled(_many_flights(rig, reduce, each))
+def _compiled(rig: Rig, reduce: Callable[[Any], Any] | None, each: bool, roll: Rollout) -> Any:
+    return compiled(_many_flights(rig, reduce, each, roll))
 
 
 @cache
@@ -344,10 +350,12 @@ def _compiled_team(rig: Rig, reduce: Callable[[Episode], Any] | None) -> Any:
     return compiled(team)
 
 
-def _many_flights(rig: Rig, reduce: Callable[[Episode], Any] | None, each: bool) -> Callable[..., Any]:
-    def one(case: Case, crew: Crew, seed: jax.Array) -> Episode:
+def _many_flights(
+    rig: Rig, reduce: Callable[[Any], Any] | None, each: bool, roll: Rollout = rollout
+) -> Callable[..., Any]:
+    def one(case: Case, crew: Crew, seed: jax.Array) -> Any:
         keys = jax.random.split(jax.random.wrap_key_data(seed), len(case.plan.track.x))
-        return rollout((case, crew, rig), keys, lambda key: _deal(_draw(key)), COMPILED)
+        return roll((case, crew, rig), keys, lambda key: _deal(_draw(key)), COMPILED)
 
     def many(cases: Case, crews: Crew, seeds: jax.Array) -> Any:
         episodes = jax.vmap(one, in_axes=(0, 0 if each else None, 0))(cases, crews, seeds)

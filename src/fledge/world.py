@@ -43,6 +43,11 @@ class Arena:
         half = side / 2.0
         return cls(Box(-half, half, -half, half), ceiling)
 
+    @classmethod
+    def lab(cls) -> "Arena":
+        """The paper's physical arena, the 6.6 x 5 m its motion capture covers; the ceiling is our choice (D10)."""
+        return cls(Box(-3.3, 3.3, -2.5, 2.5), 4.0)
+
     def padded(self, obstacles: int) -> "Arena":
         """The same with `obstacles` boxes; those added stand out of reach, so that arenas can be stacked."""
         nowhere = Obstacle(Box(1e4, 1e4 + 1.0, 1e4, 1e4 + 1.0), 1.0)

@@ -5,6 +5,7 @@ import pytest
 
 from fledge.manoeuvres import FixedAltitude
 from fledge.manoeuvres.paths import FAMILIES
+from fledge.world import Arena
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -25,3 +26,9 @@ def test_the_families_it_is_given_are_the_ones_it_flies():
     from_middle = np.hypot(circle.x, circle.y)
     # A polyline's chords run a little inside its circle.
     np.testing.assert_allclose(from_middle, from_middle.max(), rtol=1e-4)
+
+
+def test_it_flies_in_the_arena_it_is_given():
+    plan = FixedAltitude(arena=Arena.lab(), reach=0.7).plan(np.random.default_rng(1), 400)
+    assert plan.arena == Arena.lab()
+    assert np.abs([plan.track.x, plan.track.y]).max() < 1.2

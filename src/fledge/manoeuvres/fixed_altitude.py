@@ -18,6 +18,7 @@ class FixedAltitude(AbstractManoeuvre):
     """Circumradius [m] (D10)."""
     reach: float = 2.6
     """How far [m] from the middle of the arena the centre goes: 1.2 m of spread still clears the walls."""
+    arena: Arena = Arena.square()
     name = "fixed-altitude"
     axes = (0, 1)
 
@@ -26,4 +27,4 @@ class FixedAltitude(AbstractManoeuvre):
         path = FAMILIES[str(rng.choice(self.families))](rng, self.reach)
         xy = travel(rng, path, rows)
         track = FormationTrack.through(xy[:, 0], xy[:, 1], np.full(rows, self.spread))
-        return Plan(Arena.square(), track, rng.uniform(0.0, 2.0 * np.pi))
+        return Plan(self.arena, track, rng.uniform(0.0, 2.0 * np.pi))
