@@ -8,6 +8,7 @@ from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 
+import charged
 import numpy as np
 import pytest
 
@@ -36,6 +37,7 @@ INPUTS = list(OBSERVATION_NAMES)
 FIGURES = (
     *("training", "circle-horizontal", "circle-vertical", "top-view"),
     *("altitude", "distributions", "sticks", "comparisons"),
+    *("pareto", "stand-off"),
 )
 
 
@@ -170,6 +172,7 @@ def study(names: tuple[str, ...] = tuple(LOOKS)) -> dict[str, Any]:
             {"name": "mask, delay", "fill": "mask", "inputs": INPUTS[:3], "delay_rows": 5, "distance_rmse_px": 31.25,
              "radius_rmse_px": 8.75, "in_view": 0.9925},
         ],
+        "nets": charged.nets(),
         "times": {"demonstrations": 3.25, "training": 61.5},
     }  # fmt: skip
 
@@ -329,6 +332,20 @@ def test_the_other_tables_are_in_the_page(page):
     assert ["up", "1.35", "0.73", "25.7", "yes"] in page.rows
     assert ["people", "1.00 – 2.50", "0.35 – 0.80", "10.0 – 30.0", ""] in page.rows
     assert ["mask, delay", "mask", "centre_u, centre_v, ugv_u", "0.25", "31.2", "8.8", "99.25"] in page.rows
+
+
+def test_every_net_is_in_the_page(page, results):
+    for name, one in results["nets"]["flights"]["primitive"]["combined"].items():
+        line = next(row for row in page.rows if row[:1] == [name])
+        assert percent(one["interventions"]["any"]) in line
+        if "cost" in one:
+            assert number(one["cost"]["radius_rmse"]["upper"], 3) in line
+    assert "74 (0.38)" in page.text and "people needed per hour" in page.text
+
+
+def test_a_page_without_nets_does_not_speak_of_them(flights, tmp_path):
+    page = publish(tmp_path, study() | {"nets": None}, flights).read_text(encoding="utf-8")
+    assert "safety net" not in page and "#nets" not in page
 
 
 def test_every_setting_is_in_the_page(page, results):

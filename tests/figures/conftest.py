@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, cast
 
+import charged
 import numpy as np
 import pytest
 
@@ -70,4 +71,4 @@ def results() -> dict[str, Any]:
         for b in ("human-combined", "own")
         for metric in ("distance_rmse", "radius_rmse", "in_view")
     ]
-    return {"setups": setups, "comparisons": comparisons}
+    return {"setups": setups, "comparisons": comparisons, "nets": charged.nets()}

@@ -15,6 +15,7 @@ from fledge.figures.plots import Plot, draw, inline, to_png, to_svg
 ORDER = (
     *("training", "circle-horizontal", "circle-vertical", "top-view"),
     *("altitude", "distributions", "sticks", "comparisons"),
+    *("pareto", "stand-off"),
 )
 
 
@@ -37,6 +38,7 @@ def test_what_is_not_there_is_not_drawn(results, flights):
     for setup in bare["setups"].values():
         setup["curve"] = None
     bare["comparisons"] = []
+    bare["nets"] = None
     assert [plot.name for plot in draw(bare, {})] == ["distributions"]
     one = draw(bare, {"dnn-combined": flights["dnn-combined"]})
     assert [plot.name for plot in one] == [*ORDER[1:6]]

@@ -60,6 +60,16 @@ PARTS = {
 }
 """Of the sub-tasks, in the training curves."""
 
+NETS = {
+    "none": Look("#767d75", "#a8b0a6", (3.0, 0.9), "o"),
+    "paper": Look("#b8441f", "#ef8a63", (6.0, 1.6), "s"),
+    "paper-repaired": Look("#a34d78", "#dc93b8", (1.4, 1.0), "^"),
+    "stop-tube": Look("#0b6fa4", "#62b2e6", (), "D"),
+    "conformal": Look("#4a6bb0", "#97adee", (4.0, 1.0, 1.0, 1.0), "v"),
+    "barrier": Look("#1f7a55", "#4cc79a", (6.0, 1.6, 1.2, 1.6), "P"),
+}
+"""Of the safety nets, in figures of their own."""
+
 INK, MUTED, FAINT, CARD = "#1d2125", "#5d646c", "#d9dce0", "#ffffff"
 PAGE = {
     "ink": (INK, "#e7e5e0"),
@@ -87,7 +97,8 @@ def looks(names: Sequence[str]) -> dict[str, Look]:
 def palette() -> dict[str, tuple[str, str]]:
     """(light, dark) of every colour, by name."""
     lent = {f"stranger-{i}": how for i, how in enumerate(STRANGERS)}
-    return PAGE | {name: (how.light, how.dark) for name, how in (LOOKS | PARTS | lent).items()}
+    nets = {f"net-{name}": how for name, how in NETS.items()}
+    return PAGE | {name: (how.light, how.dark) for name, how in (LOOKS | PARTS | lent | nets).items()}
 
 
 def variables() -> dict[str, str]:

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from fledge.figures.flights import Flights, altitude, circles, sticks, top_view
 from fledge.figures.looks import COMPARED, DUEL, FLOWN, variables
+from fledge.figures.nets import pareto, stand_off
 from fledge.figures.results import Results, distributions, forest, training
 from fledge.figures.sheet import STYLE
 
@@ -60,6 +61,9 @@ def _plots(results: Results, flights: Flights) -> Iterator[Plot]:
         yield Plot("sticks", "The sticks: operator and ABS-DL", sticks(flights))
     if any(one["family"] == "primary" for one in results["comparisons"]):
         yield Plot("comparisons", "The primary comparisons", forest(results))
+    if results.get("nets"):
+        yield Plot("pareto", "Safety against performance", pareto(results["nets"]))
+        yield Plot("stand-off", "Flown at a wall and called back", stand_off(results["nets"]))
 
 
 def to_png(figure: "Figure") -> bytes:
