@@ -11,10 +11,10 @@ from fledge.inputs import HOVER
 from fledge.modes import Mode as M
 from fledge.modes import diagram, listing
 from fledge.safety.base import AbstractNet
-from fledge.supervisor import Decision, Supervisor
+from fledge.supervisor import Decision, Supervised, Supervisor
 from fledge.watchdog import Severity, Watchdog
+from fledge.world import Arena, Commands, VelocityCommand, Verdict
 from fledge.world import Reason as R
-from fledge.world import VelocityCommand, Verdict
 
 
 def test_in_auto_the_policy_flies_and_nothing_is_held_back():
@@ -229,6 +229,20 @@ def test_a_landing_that_is_held_back_goes_aside_and_tries_again():
     assert (aside.forward, aside.left) == pytest.approx((-0.3 / 2**0.5, -0.3 / 2**0.5))
     free = replace(flight, supervisor=Supervisor(NET), memory=flight.memory._replace(net=()))
     assert free.fly(0.3).sent == aside and free.fly(0.7).sent == DOWN
+
+
+def test_in_a_net_s_place_it_flies_a_flight_that_nobody_attends_to():
+    """From its second tick on what the policy wants passes, and what the net has against it is still held back."""
+    net = Supervised(Supervisor(NET))
+    seen = [Says().inputs(0.01 * i, 2).seen for i in range(4)]
+    memory, reasons, sent = net.init(Arena.square(), seen[0]), [], []
+    for i, world in enumerate(seen):
+        wish = WISH if i < 3 else TOO_FAST
+        memory, verdicts = net.filter(memory, world, Commands(wish, (WISH, WISH)))
+        reasons.append([v.reason for v in verdicts])
+        sent.append([v.command for v in verdicts])
+    assert reasons == [[R.NOT_READY] * 3, [R.NONE] * 3, [R.NONE] * 3, [R.WALL, R.NONE, R.NONE]]
+    assert sent == [[HOVER] * 3, [WISH] * 3, [WISH] * 3, [ESCAPE, WISH, WISH]]
 
 
 # What is written about it.

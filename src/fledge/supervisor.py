@@ -29,6 +29,7 @@ from fledge.geometry import Vec3
 from fledge.inputs import HOVER, Inputs, Operator, finite, said, sane
 from fledge.modes import TABLE, Mode, Row, Trigger, advance
 from fledge.safety.base import AbstractNet
+from fledge.safety.stop_tube import StopTube
 from fledge.scalars import Scalar, clip, maximum, negate, sqrt, where
 from fledge.tracking import LEAD
 from fledge.watchdog import Alarm, Severity, Watch, Watchdog
@@ -110,7 +111,7 @@ class Situation(NamedTuple):
 class Supervisor:
     """Limits, and the parts."""
 
-    net: AbstractNet
+    net: AbstractNet = StopTube()
     watchdog: Watchdog = Watchdog()
     settle: float = 1.0  # [s] a fault must be gone, and a fade lasts; chosen: braking from 1 m/s takes 0.8 s
     deaf: float = 5.0  # [s] that a hold does not listen to sticks; PX4's COM_FAIL_ACT_T
@@ -258,6 +259,24 @@ class Supervisor:
         decision = Decision(post.mode, Verdict(sent, intervened, reason, net.clearance), s.alarm)
         instead = where(alone | mute, sent, where(floor, replace(NOTHING, up=sent.up), NOTHING))
         return kept, decision, instead
+
+
+@dataclass(frozen=True, slots=True)
+class Supervised(AbstractNet):
+    """A supervisor in a net's place: of a flight that lacks nothing, and that nobody attends to."""
+
+    supervisor: Supervisor = Supervisor()
+
+    def init(self, arena: Arena, world: WorldState) -> Memory:
+        """The supervisor's."""
+        return self.supervisor.init(arena, world)
+
+    def filter(
+        self, memory: Memory, world: WorldState, commands: Commands
+    ) -> tuple[Memory, tuple[Verdict, ...]]:
+        """What it decides, without saying in which mode."""
+        memory, decisions = self.supervisor.step(memory, Inputs.unattended(world, commands))
+        return memory, tuple(decision.verdict for decision in decisions)
 
 
 def _aside(place: Vec3, uav: UavState, speed: float) -> VelocityCommand:
