@@ -22,6 +22,7 @@ from fledge.pilots import AbstractPilot, HumanModel
 from fledge.policy import Contract, Policy
 from fledge.restraint import NAMED, Entry, examine, trials
 from fledge.restraint import summarise as summarise_nets
+from fledge.safety import AbstractNet, NoNet
 from fledge.setups import (
     CANDIDATES,
     COMBINED_ROWS,
@@ -255,14 +256,15 @@ def duel(
     seed: int,
     done: Callable[[int], None] = lambda number: None,
     rig: Rig = Rig(),
+    net: AbstractNet = NoNet(),
 ) -> dict[str, Any]:
-    """Fly pilots on the same test cases: a summary of each, and each compared with the first, paired."""
+    """Fly pilots on the same test cases behind a net: a summary of each, each compared with the first, paired."""
     keys = [flight_key(seed, "test", manoeuvre.name, i) for i in range(cases)]
     drawn = [Case.draw(manoeuvre, key, FLIGHT_ROWS) for key in keys]
     scores: dict[str, Score] = {}
     for number, (name, pilot) in enumerate(pilots.items()):
         done(number)
-        crew = Crew(pilot.for_axes(FLYING_AXES), Axes.of(FLYING_AXES))
+        crew = Crew(pilot.for_axes(FLYING_AXES), Axes.of(FLYING_AXES), net)
         scores[name], _ = evaluate(drawn, crew, [(*key, 1) for key in keys], rig)
     done(len(pilots))
     first, *others = scores
