@@ -21,7 +21,7 @@ Nothing here reads a clock: timers are differences of the times that come in. Wh
 READY and TERMINATED) is for the link to the vehicle.
 """
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import nan
 from typing import Any, NamedTuple
 
@@ -107,6 +107,18 @@ class Situation(NamedTuple):
     """Where it goes while something is in the way of that."""
 
 
+class Passed(NamedTuple):
+    """What became of a command."""
+
+    sent: VelocityCommand
+    instead: VelocityCommand
+    """What of it is not the net's; NaN elsewhere."""
+    filtered: Scalar
+    """Whether the net changed it."""
+    broken: Scalar
+    """Whether somebody flies, and it is no number."""
+
+
 @dataclass(frozen=True, slots=True)
 class Supervisor:
     """Limits, and the parts."""
@@ -140,9 +152,14 @@ class Supervisor:
         posts = [self._post(*pair) for pair in zip(memory.posts, situations, strict=True)]
         wanted = [self._wanted(*pair) for pair in zip(posts, situations, strict=True)]
         net, verdicts = self.net.filter(memory.net, world, _commands(wanted))
-        done = [self._decide(*vehicle) for vehicle in zip(posts, situations, wanted, verdicts, strict=True)]
-        net = self.net.overruled(net, world, _commands([instead for _, _, instead in done]))
-        kept, decisions = tuple(post for post, _, _ in done), tuple(decision for _, decision, _ in done)
+        vehicles = list(zip(posts, situations, wanted, verdicts, strict=True))
+        passed = [self._passed(*vehicle) for vehicle in vehicles]
+        net = self.net.overruled(net, world, _commands([one.instead for one in passed]))
+        done = [
+            self._decide(post, s, verdict, one)
+            for (post, s, _, verdict), one in zip(vehicles, passed, strict=True)
+        ]
+        kept, decisions = tuple(post for post, _ in done), tuple(decision for _, decision in done)
         return Memory(watch, net, kept, memory.pad), decisions
 
     def _situations(
@@ -226,39 +243,45 @@ class Supervisor:
         wanted = where(_in(post, Mode.RECOVER), faded, wanted)
         return where(_in(post, Mode.AUTO, Mode.SHIELDED) & negate(s.braking), s.proposed, wanted)
 
-    def _decide(
-        self, post: Post, s: Situation, wanted: VelocityCommand, net: Verdict
-    ) -> tuple[Post, Decision, VelocityCommand]:
-        """(what is remembered, what is sent and why, what of it is not the net's)."""
-        manual, policy = _in(post, Mode.MANUAL), _in(post, Mode.AUTO, Mode.SHIELDED)
-        landing = _in(post, Mode.LAND)
+    def _passed(self, post: Post, s: Situation, wanted: VelocityCommand, net: Verdict) -> Passed:
+        """What comes of that where the net has its say, and where it has none."""
+        manual, landing = _in(post, Mode.MANUAL), _in(post, Mode.LAND)
         alone = _in(post, *IDLE) | (landing & s.blind) | (manual & said(s.operator.dead_man))
         # Held back by the floor alone, it comes down, and keeps to the place that the net holds.
         floor = landing & negate(alone) & (net.reason == float(Reason.FLOOR))
-        mute = negate(alone) & negate(finite(net.command))
-        filtered = negate(alone | floor) & negate(net.intervened <= 0.5)
-        braking = policy & s.braking
-        broken = (mute & finite(wanted)) | (manual & negate(sane(s.operator)))
-        reason = where((policy | manual) & filtered, net.reason, post.reason)
-        reason = where(broken, float(Reason.NOT_FINITE), where(braking, s.alarm.reason, reason))
+        known, answered = finite(wanted), finite(net.command)
         onto = VelocityCommand(net.command.forward, net.command.left, wanted.up, 0.0)
-        sent = where(alone, wanted, where(floor, onto, net.command))
-        sent = where(finite(sent), sent, HOVER)
-        held_back = filtered | braking | broken
+        sent = where(
+            alone, where(known, wanted, HOVER), where(answered, where(floor, onto, net.command), HOVER)
+        )
+        own = where(floor & answered, VelocityCommand(nan, nan, sent.up, nan), NOTHING)
+        return Passed(
+            sent,
+            where(alone | negate(answered), sent, own),
+            negate(alone | floor) & negate(net.intervened <= 0.5),
+            (manual & negate(known)) | (negate(alone) & known & negate(answered)),
+        )
+
+    def _decide(self, post: Post, s: Situation, net: Verdict, passed: Passed) -> tuple[Post, Decision]:
+        """(what is remembered, what is sent and why)."""
+        manual, policy = _in(post, Mode.MANUAL), _in(post, Mode.AUTO, Mode.SHIELDED)
+        braking = policy & s.braking
+        reason = where((policy | manual) & passed.filtered, net.reason, post.reason)
+        reason = where(passed.broken, float(Reason.NOT_FINITE), where(braking, s.alarm.reason, reason))
+        held_back = passed.filtered | braking | passed.broken
         kept = Post(
             post.mode,
             post.reason,
             post.since,
             post.alarmed,
-            where((policy & held_back) | (landing & filtered), s.now, post.held_back),
+            where(held_back & (policy | _in(post, Mode.LAND)), s.now, post.held_back),
             post.at_rest,
             where(manual & negate(net.intervened <= 0.5), 0.0, 1.0),
-            where(_in(post, Mode.RECOVER), post.origin, sent),
+            where(_in(post, Mode.RECOVER), post.origin, passed.sent),
         )
         intervened = where(policy & negate(held_back), 0.0, 1.0)
-        decision = Decision(post.mode, Verdict(sent, intervened, reason, net.clearance), s.alarm)
-        instead = where(alone | mute, sent, where(floor, replace(NOTHING, up=sent.up), NOTHING))
-        return kept, decision, instead
+        verdict = Verdict(passed.sent, intervened, reason, net.clearance)
+        return kept, Decision(post.mode, verdict, s.alarm)
 
 
 @dataclass(frozen=True, slots=True)
