@@ -33,6 +33,7 @@ from fledge.observation import Axes
 from fledge.pilots import HumanModel, Servo
 from fledge.policy import Policy
 from fledge.recipe import Recipe
+from fledge.safety import NoNet
 from fledge.setups import (
     BASIC,
     CANDIDATES,
@@ -48,6 +49,7 @@ from fledge.setups import (
     Study,
 )
 from fledge.simulation import Crew, Rig, flight_key
+from fledge.world import VelocityCommand, Verdict
 
 FIVE = ("human-combined", "dnn-combined", "primitive-paper", "primitive", "servo")
 SHORT = Recipe(epochs=2, batch=None, points=2)
@@ -538,3 +540,17 @@ def test_a_duel_compares_the_first_with_the_others(short):
     json.dumps(found, allow_nan=False)
     (alone,) = duel({"a": Servo()}, TEST_MANOEUVRES[0], count, 0)["entries"].values()
     assert alone == found["entries"]["a"]
+
+
+def test_pilots_may_duel_behind_a_net(short):
+    """One that lets nobody fly: all see the UGVs leave."""
+
+    class Anchor(NoNet):
+        def filter(self, memory, world, commands):
+            hover = VelocityCommand.hover()
+            return memory, tuple(Verdict(hover, 1.0, 1.0, 0.0) for _ in (commands.uav, *commands.ugvs))
+
+    pilots = {"a": Servo(), "b": SLOWER}
+    held = duel(pilots, TEST_MANOEUVRES[0], 3, 0, net=Anchor())["entries"]
+    assert held["a"]["distance"] == held["b"]["distance"]
+    assert held["a"]["effort"] != held["b"]["effort"]

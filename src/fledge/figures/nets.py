@@ -17,7 +17,7 @@ Nets = Mapping[str, Any]
 def pareto(nets: Nets) -> "Figure":
     """Contacts with reversed sticks against the cost in ordinary flights, one panel per pilot."""
     pilots = nets["flights"]
-    figure, panels = sheet.panels(1, len(pilots), 2.3, apart=(0.12, 0.0), sharex=True, sharey=True)
+    figure, panels = sheet.panels(1, len(pilots), 2.3, left=0.8, apart=(0.12, 0.0), sharex=True, sharey=True)
     for panel, (pilot, flights) in zip(panels, pilots.items(), strict=True):
         for net in flights["combined"]:
             _point(panel, flights, net)
