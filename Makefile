@@ -8,7 +8,7 @@ SYNCED := .venv/.synced
 UV := $(BIN)/uv $(if $(wildcard /etc/ssl/certs/ca-certificates.crt),--system-certs)
 
 .DEFAULT_GOAL := help
-.PHONY: help venv reproduce full test check mutations types style lock clean
+.PHONY: help venv reproduce full test check mutations faults types style lock clean
 
 help: ## list these verbs
 	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -32,6 +32,9 @@ check: $(SYNCED) types ## look at style and types and run the fast tests, in und
 
 mutations: $(SYNCED) ## delete each clause of the nets; a test must fail every time (half an hour)
 	$(BIN)/python tests/mutate.py
+
+faults: $(SYNCED) ## fly every fault by the hundred (ten minutes) and write the matrix into docs/safety-case.md
+	$(BIN)/python benchmarks/faults.py
 
 types: $(SYNCED) ## check types
 	$(BIN)/pyright

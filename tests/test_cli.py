@@ -132,13 +132,40 @@ def test_replay_draws_and_scores(here, capsys):
 def test_evaluate_compares_the_first_with_the_others(here, capsys):
     main("evaluate servo policy.onnx --cases 2 --manoeuvre climb --json both.json".split())
     shown = capsys.readouterr().out
-    assert "climb: 2 flights of 60 s each" in shown and "servo minus policy.onnx" in shown
+    assert "climb, net none: 2 flights of 60 s each" in shown and "servo minus policy.onnx" in shown
     main("evaluate servo policy.onnx --cases 2 --manoeuvre climb --json -".split())
     out, err = capsys.readouterr()
     assert (out, err) == (Path("both.json").read_text(), "")
     found = json.loads(out)
     assert list(found["entries"]) == ["policy.onnx", "servo"]
     assert {(one["a"], one["b"]) for one in found["comparisons"]} == {("servo", "policy.onnx")}
+
+
+@pytest.mark.slow
+def test_evaluate_flies_behind_a_net(here, capsys):
+    for net in ("none", "paper"):
+        main(f"evaluate servo --cases 2 --net {net} --json {net}.json".split())
+        assert f"combined, net {net}: 2 flights" in capsys.readouterr().out
+    free, behind = (json.loads(Path(f"{net}.json").read_text()) for net in ("none", "paper"))
+    assert (free["net"], behind["net"]) == ("none", "paper")
+    # The paper's net stops UGVs for good.
+    assert free["entries"]["servo"]["distance"] != behind["entries"]["servo"]["distance"]
+
+
+@pytest.mark.slow
+def test_falsify_counts_what_a_net_lets_happen_and_keeps_some_of_it(here, capsys):
+    main("falsify --net none --steps 24000 --policy policy.onnx --arena lab --json found.json".split())
+    shown = capsys.readouterr().out
+    assert "none under attack: " in shown and "none is beaten: in " in shown and "late-reverse" in shown
+    found = json.loads(Path("found.json").read_text())
+    assert found["net"] == "none" and found["contacts"] > 0 and found["rejected_arenas"] == 0
+    assert found["steps"] == 2000 * found["flights"] >= 24_000
+    assert found["families"]["policy"]["flights"] > 0
+    files = [one["file"] for one in found["violations"] if one["file"]]
+    assert contents(Path("violations")).keys() == {Path(file).name for file in files}
+    main(["replay", files[0], "--json", "-"])
+    flight = json.loads(capsys.readouterr().out)
+    assert (flight["manoeuvre"], flight["net"], flight["rows"]) == ("attack", "none", 400)
 
 
 # What is refused
@@ -180,6 +207,7 @@ BAD = {
     "evaluate servo --cases 1": "cases is 1: valid is a whole number from 2 to 10,000",
     "evaluate servo --cases many": "cases is many: valid is a whole number",
     "evaluate servo --manoeuvre loop": "unknown manoeuvre 'loop'",
+    "evaluate servo --net hammock": "unknown net 'hammock': valid are ",
     "reproduce --quick --full": "--quick and --full exclude each other",
     "reproduce --seed 99999999999": "seed is 99999999999: valid is a whole number from 0 to 4,294,966",
     "reproduce --out file": "file/demonstrations: a file is in the way of this folder",
@@ -188,8 +216,28 @@ BAD = {
     "replay damaged/climb-000.mcap": "damaged/climb-000.mcap: cut short",
     "replay demos/climb-000.mcap --out climb.bmp": "climb.bmp: no such picture: valid are .png, .svg, .pdf and .gif",
     "replay demos/climb-000.mcap --out nowhere/climb.png": "nowhere/climb.png: cannot be written",
+    "falsify --net tube": "unknown net 'tube': valid are barrier, conformal, none, package.module:Name, paper,",
+    "falsify --net nowhere:Net": "net 'nowhere': cannot be imported: No module named 'nowhere'",
+    "falsify --steps 2000": "steps is 2000: valid is a whole number from 24,000 to 10,000,000,000",
+    "falsify --factor -1": "factor is -1: valid is 0.0 to 5.0",
+    "falsify --factor nan": "factor is nan: valid is 0.0 to 5.0",
+    "falsify --arena moon": "unknown arena 'moon': valid are FILE.toml, lab, square",
+    "falsify --arena closet.toml": "the arena has no room for a UAV and 3 UGVs",
+    "falsify --policy ace.onnx": "ace.onnx: cannot be read: No such file or directory",
+    "falsify --policy policy.onnx tank.onnx": "tank.onnx: a policy without a contract",
+    "falsify --json nowhere/found.json": "nowhere/found.json: cannot be written: valid is a file in a folder",
     "doctor --json empty": "empty: cannot be written: valid is a file in a folder that exists",
 }
+
+
+CLOSET = """
+[bounds]
+x_min_m = -0.5
+x_max_m = 0.5
+y_min_m = -0.5
+y_max_m = 0.5
+ceiling_m = 2.0
+"""
 
 
 @pytest.fixture
@@ -198,6 +246,7 @@ def spoilt(here):
     for name in ("empty", "damaged", "foreign", "part", "mixed"):
         (here / name).mkdir()
     (here / "file").write_text("nothing")
+    (here / "closet.toml").write_text(CLOSET)
     (here / "foreign" / "foreign.mcap").write_text("nothing")
     (here / "damaged" / "climb-000.mcap").write_bytes((here / "demos" / "climb-000.mcap").read_bytes()[:5000])
     flights = [read_flight(path) for path in sorted((here / "demos").iterdir())]

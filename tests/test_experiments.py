@@ -16,6 +16,7 @@ from fledge.experiments import (
     Learnt,
     Progress,
     Results,
+    behind_nets,
     by_sub_task,
     composite_set,
     duel,
@@ -33,6 +34,7 @@ from fledge.observation import Axes
 from fledge.pilots import HumanModel, Servo
 from fledge.policy import Policy
 from fledge.recipe import Recipe
+from fledge.restraint import Entry
 from fledge.safety import NoNet
 from fledge.setups import (
     BASIC,
@@ -554,3 +556,33 @@ def test_pilots_may_duel_behind_a_net(short):
     held = duel(pilots, TEST_MANOEUVRES[0], 3, 0, net=Anchor())["entries"]
     assert held["a"]["distance"] == held["b"]["distance"]
     assert held["a"]["effort"] != held["b"]["effort"]
+
+
+# Nets
+
+
+def test_the_default_policy_and_the_operator_fly_behind_every_net(results, monkeypatch):
+    flown = []
+
+    def fly(name, pilot, nets, flights, rig):
+        flown.append((name, pilot, tuple(nets), tuple(flights)))
+        yield from (Entry(name, net, {}) for net in nets)
+
+    monkeypatch.setattr(experiments, "examine", fly)
+    monkeypatch.setattr(experiments, "summarise_nets", lambda entries, rows, seed: (entries, rows, seed))
+    study = replace(STUDY, nets=("none", "paper"), net_cases=2, lab_cases=1, operator_behind_nets=True)
+    *told, (entries, rows, seed) = behind_nets(study, results.setups, Rig())
+    assert [event.done for event in told] == [0, 1, 2, 3, 4] and {event.total for event in told} == {4}
+    assert [(one.pilot, one.net) for one in entries][::2] == [
+        ("primitive", "none"),
+        ("human-combined", "none"),
+    ]
+    assert (rows, seed) == (ROWS, STUDY.seed)
+    (_, policy, nets, kinds), (_, operator, _, fewer) = flown
+    assert policy.contract is None and policy.weights[0].ndim == 2 and isinstance(operator, HumanModel)
+    assert nets == ("none", "paper") and kinds == ("combined", "reversed", "lab") and fewer == kinds[:2]
+
+
+def test_a_study_without_nets_says_so(results):
+    assert results.summary["nets"] is None
+    assert not list(behind_nets(STUDY, results.setups, Rig()))

@@ -8,11 +8,13 @@ from fledge import guests
 from fledge.errors import FledgeError
 from fledge.manoeuvres import Climb
 from fledge.pilots import Servo
+from fledge.safety import StopTube
 
 GUESTS = """
 import fledge
 from fledge.manoeuvres import Climb
 from fledge.pilots import Servo
+from fledge.world import Verdict
 
 STILL = fledge.Action(0.0, 0.0, 0.0, 0.0)
 PATIENT = Servo(p=0.5)
@@ -69,6 +71,26 @@ class Clumsy(Hop):
         return 1 / 0
 
 NOT_A_PILOT = 3
+
+class Free(fledge.AbstractNet):
+    def init(self, arena, world):
+        return ()
+    def filter(self, memory, world, commands):
+        told = (commands.uav, *commands.ugvs)
+        return memory, tuple(Verdict(command, 0.0, 0.0, 9.0) for command in told)
+
+class Blind(Free):
+    def filter(self, memory, world, commands):
+        return super().filter(memory, world, commands)[1]
+
+class Partial(Free):
+    def filter(self, memory, world, commands):
+        memory, verdicts = super().filter(memory, world, commands)
+        return memory, verdicts[:2]
+
+class Breaks(Free):
+    def filter(self, memory, world, commands):
+        return memory, world.nothing
 """
 
 
@@ -125,6 +147,33 @@ def test_a_pilot_is_refused_in_one_line(house, name, line):
 def test_a_manoeuvre_is_refused_in_one_line(house, name, line):
     with pytest.raises(FledgeError, match=line):
         guests.manoeuvre(house + name)
+
+
+def test_a_net_needs_no_name(house):
+    assert type(guests.net(house + "Free")).__name__ == "Free"
+    assert guests.net("fledge.safety:StopTube") == StopTube()
+
+
+@pytest.mark.parametrize(
+    ("name", "line"),
+    [
+        ("Calm", r"a Calm: valid is a subclass of fledge.AbstractNet"),
+        ("Blind", r"filter returned \(Verdict\(.*: valid is a pair \(memory, verdicts\)"),
+        ("Partial", r"filter returned \(\(\), \(Verdict\(.*the UAV's Verdict first, then one per UGV"),
+    ],
+)
+def test_a_net_is_refused_in_one_line(house, name, line):
+    with pytest.raises(FledgeError, match=line):
+        guests.net(house + name)
+
+
+def test_a_nets_own_error_is_located_in_its_file(house):
+    with pytest.raises(AttributeError) as raised:
+        guests.net(house + "Breaks")
+    assert (
+        guests.culprit(raised.value)
+        == f"visitors.py, line {GUESTS.split(chr(10)).index('        return memory, world.nothing') + 1}"
+    )
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from fledge.errors import BadFile, FledgeError, UnknownName
 from fledge.geometry import Box
 from fledge.manoeuvres import MANOEUVRES, AbstractManoeuvre, Combined
 from fledge.pilots import PILOTS, AbstractPilot, Servo
+from fledge.safety import NETS, AbstractNet, NoNet, StopTube
 from fledge.setups import HELD_OUT_FAMILIES
 from fledge.world import Arena
 
@@ -28,6 +29,15 @@ def test_nothing_else_is_found(name):
         UnknownName, match="valid are climb, combined, descend, fixed-altitude, package.module:Name"
     ):
         lookup.manoeuvre(name)
+
+
+def test_every_shipped_net_is_found_by_its_module():
+    found = lookup.shipped("fledge.safety", AbstractNet)
+    assert set(found.values()) == {type(net) for net in NETS}
+    assert lookup.net("stop-tube") == StopTube() and lookup.net("none") == NoNet()
+    assert lookup.net("fledge.safety:StopTube") == StopTube()
+    with pytest.raises(UnknownName, match="unknown net 'tube': valid are .*none, package.module:Name"):
+        lookup.net("tube")
 
 
 def test_a_colon_points_outside():

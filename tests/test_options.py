@@ -15,6 +15,7 @@ BOUNDS = {
     "cases": (options.Cases, 2, options.MOST_CASES),
     "episodes": (options.Episodes, 1, 1000),
     "epochs": (options.Epochs, 1, 1_000_000),
+    "steps": (options.Steps, options.LEAST_STEPS, 10**10),
 }
 
 
@@ -30,7 +31,7 @@ def test_a_whole_number_is_taken_within_its_bounds_only(name, number):
         assert parsed(kind, str(number)) == number
     else:
         with pytest.raises(
-            OutOfRange, match=f"^{name} is {number}: valid is a whole number from {least} to {most:,}$"
+            OutOfRange, match=f"^{name} is {number}: valid is a whole number from {least:,} to {most:,}$"
         ):
             parsed(kind, str(number))
 

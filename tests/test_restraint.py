@@ -61,7 +61,7 @@ def test_in_the_lab_every_corner_stays_clear_of_the_walls():
 def test_a_net_flies_the_same_flights_as_no_net_and_is_charged_for_them():
     nets = {name: NAMED[name] for name in ("none", "paper")}
     flights = trials(2, 2, seed=0, rows=ROWS)
-    entries = list(examine({"servo": Servo()}, nets, flights))
+    entries = list(examine("servo", Servo(), nets, flights))
     assert [(one.pilot, one.net) for one in entries] == [("servo", "none"), ("servo", "paper")]
     found = summarise(entries, ROWS, seed=0)
     assert json.loads(json.dumps(found)) == found

@@ -361,6 +361,27 @@ def test_settings_out_of_range_are_refused() -> None:
         lambda: statistics.holm([1.2]),
         lambda: statistics.welch_p(1.0, 1.0, 1, 1.0, 1.0, 10),
         lambda: statistics.welch_p(1.0, 0.0, 10, 1.0, 1.0, 10),
+        lambda: statistics.upper_bound(0, 0),
+        lambda: statistics.upper_bound(3, 2),
+        lambda: statistics.upper_bound(-1, 2),
+        lambda: statistics.upper_bound(1, 2, level=1.0),
     ):
         with pytest.raises(OutOfRange):
             refuse()
+
+
+def test_an_upper_bound_is_three_over_the_trials_without_events() -> None:
+    """The rule of three; exactly 1 - 0.05^(1/n)."""
+    for trials in (1, 10, 5000):
+        assert math.isclose(statistics.upper_bound(0, trials), 1.0 - 0.05 ** (1.0 / trials))
+    assert statistics.upper_bound(0, 5000) == pytest.approx(3.0 / 5000, rel=0.01)
+    assert statistics.upper_bound(7, 7) == 1.0
+
+
+@given(trials=st.integers(1, 300), data=st.data())
+def test_an_upper_bound_leaves_five_per_cent_below(trials: int, data: st.DataObject) -> None:
+    """At the bound so few events, or fewer, come with a probability of 5 %: that is Clopper and Pearson's."""
+    events = data.draw(st.integers(0, trials - 1))
+    bound = statistics.upper_bound(events, trials)
+    assert events / trials < bound <= 1.0
+    assert stats.binom.cdf(events, trials, bound) == pytest.approx(0.05, rel=1e-6)

@@ -93,3 +93,17 @@ def test_the_operator_stands_beside_the_bands_that_people_reach():
         ("up", "1.20", "0.56", "25.1", "no"),
         ("people", "1.00 to 2.50", "0.35 to 0.65", "10.0 to 30.0", ""),
     )
+
+
+def test_attacks_are_shown_family_by_family_and_in_all():
+    one = {
+        **{"flights": 1200, "contacts": 3, "deadlocks": 0, "breaches": 40, "false_alarm_rate": 0.253},
+        "least_gap_m": {"uav": -0.104, "ugv": 0.06},
+    }
+    none = one | {"false_alarm_rate": None}
+    table = tables.attacks("paper under attack", none | {"families": {"random": one}})
+    assert table.rows == (
+        ("random", "1,200", "3", "0", "40", "25.3", "-0.10", "0.06"),
+        ("all", "1,200", "3", "0", "40", "-", "-0.10", "0.06"),
+    )
+    assert len(table.columns) == len(table.rows[0])

@@ -21,7 +21,8 @@ Everything at once: fledge reproduce. Step by step:
   fledge demonstrate
   fledge train demos
   fledge evaluate policy.onnx servo
-  fledge replay demos/combined-000.mcap"""
+  fledge replay demos/combined-000.mcap
+The safety net under attack: fledge falsify"""
 
 COMMANDS: dict[str, Callable[..., None]] = {
     "reproduce": commands.reproduce,
@@ -29,6 +30,7 @@ COMMANDS: dict[str, Callable[..., None]] = {
     "train": commands.train,
     "evaluate": commands.evaluate,
     "replay": commands.replay,
+    "falsify": commands.falsify,
     "doctor": commands.examine,
 }
 

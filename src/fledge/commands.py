@@ -21,14 +21,18 @@ from fledge.options import (
     Contestants,
     Episodes,
     Epochs,
+    Factor,
     File,
+    Files,
     Flag,
     Folder,
+    Hall,
     Minutes,
     Name,
     Names,
     NewFile,
     Seed,
+    Steps,
 )
 
 
@@ -172,6 +176,7 @@ def train(
 def evaluate(
     policies: Contestants,
     manoeuvre: Name = "combined",
+    net: Name = "none",
     cases: Cases = 200,
     seed: Seed = 0,
     json: NewFile = None,
@@ -185,6 +190,7 @@ def evaluate(
     Args:
         policies: ONNX files, and names of pilots: human-model, servo, or package.module:Name of your own.
         manoeuvre: What the UGVs do: combined, fixed-altitude, climb, descend, or package.module:Name of your own.
+        net: Behind which safety net: none, paper, stop-tube, ..., or package.module:Name of your own.
         cases: How many flights each of them flies.
         seed: Another seed: other cases.
         json: Write scores and comparisons to this file, too; with -, to standard output and nothing else there.
@@ -194,10 +200,15 @@ def evaluate(
     from fledge.experiments import duel
 
     test, crews = lookup.test(manoeuvre), {name: lookup.contestant(name) for name in policies}
+    behind = lookup.net(net)
     with console.progress() as bar:
-        found = duel(crews, test, cases, seed, lambda done: bar.update("evaluation", done, len(crews)))
-    scores = tables.scores(f"{test.name}: {cases} flights of 60 s each", found["entries"])
-    summary = {"manoeuvre": test.name, "cases": cases, "seed": seed, **found}
+
+        def done(number: int) -> None:
+            bar.update("evaluation", number, len(crews))
+
+        found = duel(crews, test, cases, seed, done, net=behind)
+    scores = tables.scores(f"{test.name}, net {net}: {cases} flights of 60 s each", found["entries"])
+    summary = {"manoeuvre": test.name, "net": net, "cases": cases, "seed": seed, **found}
     console.show(summary, json, scores, *tables.comparisons(found["comparisons"]))
 
 
@@ -224,6 +235,51 @@ def replay(flight: Annotated[File, Positional], out: NewFile = None, json: NewFi
     title = "{manoeuvre} by {pilot}, net {net}, seed {seed}, case {case}, {rows} rows".format(**about)
     summary = about | {"scores": scores, "picture": str(picture)}
     console.show(summary, json, tables.flight(title, scores), f"picture: {picture}")
+
+
+def falsify(
+    net: Name = "stop-tube",
+    steps: Steps = 1_000_000,
+    policy: Files = (),
+    arena: Hall = None,
+    factor: Factor = 1.0,
+    seed: Seed = 0,
+    out: Folder = Path("violations"),
+    json: NewFile = None,
+) -> None:
+    """Attack a safety net in the simulator, and count what it let happen.
+
+    Every flight is 10 s of attack on all vehicles at once, as bad as the contract
+    allows, and 10 s in which one of them is led away from where that has left it.
+
+    Found are
+    - contacts: flights in which a hull touched a wall, a thing or a vehicle
+    - dead-locks: a vehicle could not be led away, although there was a way
+    - breaches: a vehicle's centre came nearer than 0.5 m to something
+    - false alarms: the net stepped in where nothing would have been touched
+
+    Args:
+        net: What is attacked: none, paper, stop-tube, ..., or package.module:Name of your own.
+        steps: To fly in all, at 100 a second; 2000 make a flight.
+        policy: ONNX files of policies that fly, too; by default two are trained first.
+        arena: Where to fly: square, lab, or a TOML file of your own; random arenas by default.
+        factor: By which delays, errors and pushes overstep the contract, 0 to 5; up to 1 is within it.
+        seed: Another seed: other attacks.
+        out: Where flights go that should not have happened, a few of every family.
+        json: Write what was found to this file, too; with -, to standard output and nothing else there.
+    """
+    from fledge import evidence
+    from fledge.falsification import Campaign, checked, summary
+    from fledge.scenarios import Terms
+
+    terms = Terms(factor=factor, arena=lookup.arena(arena) if arena else None)
+    campaign = checked(Campaign(lookup.net(net), net, steps, seed, terms=terms))
+    policies = {str(path): lookup.policy(path) for path in policy}
+    campaign = replace(campaign, policies=policies or evidence.train(seed))
+    toll = evidence.gather(campaign)
+    found = summary(campaign, toll) | {"violations": evidence.store(out, campaign, toll)}
+    title = f"{net} under attack: {found['flights']:,} flights, {found['steps']:,} steps, seed {seed}"
+    console.show(found, json, tables.attacks(title, found), *evidence.sentences(found))
 
 
 def examine(json: NewFile = None) -> None:

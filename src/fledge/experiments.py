@@ -7,6 +7,7 @@ learns from sub-tasks, and everybody flies the same cases with the same chance.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from itertools import chain
 from typing import Any
 
 from fledge.crossover import credibility
@@ -104,19 +105,21 @@ def run(study: Study, flights: Sequence[Flight], rig: Rig = Rig()) -> Iterator[P
 def behind_nets(
     study: Study, results: Mapping[str, SetupResult], rig: Rig
 ) -> Iterator[Progress | dict[str, Any]]:
-    """The default policy and the operator behind every net; nothing if the study has none of it."""
+    """The default policy behind every net, and the operator, if not in the lab; nothing if the study has no nets."""
     learnt = results["primitive"].policy if "primitive" in results else None
     if not study.net_cases or learnt is None:
         return
-    pilots: dict[str, AbstractPilot] = {"primitive": replace(member(learnt, 0), contract=None)}
-    pilots |= {"human-combined": HumanModel()} if study.operator_behind_nets else {}
     nets = {name: NAMED[name] for name in study.nets}
     flights = trials(study.net_cases, study.lab_cases, study.seed, study.rows)
+    parts = [examine("primitive", replace(member(learnt, 0), contract=None), nets, flights, rig)]
+    if study.operator_behind_nets:
+        flights = {kind: some for kind, some in flights.items() if kind != "lab"}
+        parts.append(examine("human-combined", HumanModel(), nets, flights, rig))
     entries: list[Entry] = []
-    yield Progress("nets: flights", 0, len(pilots) * len(nets))
-    for entry in examine(pilots, nets, flights, rig):
+    yield Progress("nets: flights", 0, len(parts) * len(nets))
+    for entry in chain(*parts):
         entries.append(entry)
-        yield Progress("nets: flights", len(entries), len(pilots) * len(nets))
+        yield Progress("nets: flights", len(entries), len(parts) * len(nets))
     yield summarise_nets(entries, study.rows, study.seed)
 
 

@@ -1,4 +1,4 @@
-"""Pilots and manoeuvres from outside: found by `package.module:Name`, tried once, and quoted when they fail.
+"""Pilots, manoeuvres and nets from outside: found by `package.module:Name`, tried once, and quoted when they fail.
 
 A guest is a class that can be made without arguments, or an instance, in a module that Python can import; the
 current folder counts. It is tried before any work begins, so that what every first attempt gets wrong (a memory not
@@ -20,6 +20,7 @@ from fledge.errors import FledgeError
 if TYPE_CHECKING:
     from fledge.manoeuvres import AbstractManoeuvre
     from fledge.pilots import AbstractPilot
+    from fledge.safety import AbstractNet
 
 INSTALLED = (Path(sysconfig.get_path(name)) for name in ("stdlib", "purelib", "platlib"))
 HOMES = (Path(__file__).parent, *INSTALLED)
@@ -70,6 +71,30 @@ def manoeuvre(name: str) -> "AbstractManoeuvre":
     return guest
 
 
+def net(name: str) -> "AbstractNet":
+    """A safety net from outside that answers with a memory and a verdict per vehicle.
+
+    Raises:
+        FledgeError: there is no such thing, or it is no net.
+    """
+    from fledge.geometry import Quat, Vec3
+    from fledge.safety import AbstractNet
+    from fledge.world import Arena, Commands, UavState, UgvState, VelocityCommand, Verdict, WorldState
+
+    guest = _made(AbstractNet, name)
+    still, hover = Vec3(0.0, 0.0, 0.0), VelocityCommand.hover()
+    ugvs = tuple(UgvState(x, 0.0, 0.0, 0.0, 0.0, 0.0) for x in (-2.0, 0.0, 2.0))
+    world = WorldState(0.0, UavState(Vec3(0.0, 0.0, 3.0), still, Quat.from_yaw(0.0), still, 0.0), ugvs)
+    answer = guest.filter(guest.init(Arena.square(), world), world, Commands(hover, (hover,) * len(ugvs)))
+    verdicts = answer[1] if isinstance(answer, tuple) and len(answer) == 2 else None
+    if not isinstance(verdicts, tuple) or [type(one) for one in verdicts] != [Verdict] * (1 + len(ugvs)):
+        raise FledgeError(
+            f"{name}: filter returned {_short(answer)}: valid is a pair (memory, verdicts), the UAV's "
+            "Verdict first, then one per UGV"
+        )
+    return guest
+
+
 def culprit(error: BaseException) -> str | None:
     """The innermost line of a guest's code that had a part in an error, "own.py, line 3" say."""
     for frame in reversed(traceback.extract_tb(error.__traceback__)):
@@ -105,7 +130,7 @@ def _made(base: type, name: str) -> Any:
         raise FledgeError(f"{name}: cannot be made without arguments: {error}") from error
     if not isinstance(guest, base):
         raise FledgeError(f"{name}: a {type(guest).__name__}: valid is a subclass of fledge.{base.__name__}")
-    if not isinstance(getattr(guest, "name", None), str):
+    if "name" in base.__annotations__ and not isinstance(getattr(guest, "name", None), str):
         raise FledgeError(f'{name}: it has no name: valid is a class with a line like name = "gentle"')
     return guest
 

@@ -1,6 +1,6 @@
 """From a name on the command line to what it names.
 
-A pilot or a manoeuvre is named by its module (`servo` is `fledge/pilots/servo.py`, `fixed-altitude` is
+A pilot, a manoeuvre or a net is named by its module (`servo` is `fledge/pilots/servo.py`, `fixed-altitude` is
 `fledge/manoeuvres/fixed_altitude.py`), or as `package.module:Name` from anywhere Python can import, the current
 folder included (see `guests`). There is no registry: whatever has the right base class will do. Who flies in an
 evaluation may be a policy's file, too. An arena is named by its file, and those in `fledge/arenas/` by its stem.
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from fledge.manoeuvres import AbstractManoeuvre
     from fledge.pilots import AbstractPilot
     from fledge.policy import Policy
+    from fledge.safety import AbstractNet
     from fledge.setups import Setup
     from fledge.world import Arena
 
@@ -61,6 +62,17 @@ def test(name: str) -> "AbstractManoeuvre":
     return declared.get(name) or manoeuvre(name)
 
 
+def net(name: str) -> "AbstractNet":
+    """The safety net of that name.
+
+    Raises:
+        FledgeError: there is none, or it is none.
+    """
+    from fledge.safety import AbstractNet
+
+    return find("fledge.safety", AbstractNet, name, guests.net)
+
+
 def setup(name: str) -> "Setup":
     """The set-up of that name, of those that train once on demonstrations as they are stored.
 
@@ -83,11 +95,30 @@ def contestant(name: str) -> "AbstractPilot":
     """
     path = Path(name)
     if path.suffix == ".onnx" or path.is_file():
-        return _policy(path)
+        return policy(path)
     try:
         return pilot(name)
     except UnknownName as error:
         raise FledgeError(f"{error}, or a policy's file") from error
+
+
+def policy(path: Path) -> "Policy":
+    """The policy in a file.
+
+    Raises:
+        BadFile: it cannot be read, or was not trained for this vehicle.
+    """
+    from fledge.policy import Contract
+    from fledge.storage import read_policy
+
+    policy = read_policy(path)
+    if policy.contract is None:
+        raise BadFile(path, "a policy without a contract: it was not trained to fly")
+    try:
+        policy.contract.check(Contract())
+    except FledgeError as error:
+        raise BadFile(path, str(error)) from error
+    return replace(policy, contract=None)  # it names the data: left in, every policy would be compiled anew
 
 
 def arena(name: str) -> "Arena":
@@ -125,17 +156,3 @@ def shipped(folder: str, base: type) -> dict[str, type]:
     names = [module.name for module in pkgutil.iter_modules(import_module(folder).__path__)]
     modules = {name.replace("_", "-"): import_module(f"{folder}.{name}") for name in names}
     return {name: kind for name, module in modules.items() for kind in guests.kinds(module, base)}
-
-
-def _policy(path: Path) -> "Policy":
-    from fledge.policy import Contract
-    from fledge.storage import read_policy
-
-    policy = read_policy(path)
-    if policy.contract is None:
-        raise BadFile(path, "a policy without a contract: it was not trained to fly")
-    try:
-        policy.contract.check(Contract())
-    except FledgeError as error:
-        raise BadFile(path, str(error)) from error
-    return replace(policy, contract=None)  # it names the data: left in, every policy would be compiled anew

@@ -9,6 +9,9 @@ from tyro.constructors import PrimitiveConstructorSpec
 
 from fledge.errors import BadFile, OutOfRange
 
+LEAST_STEPS = 24_000
+"""Every family of attacks flies at least once."""
+
 LARGEST_SEED = 2**32 // 1000 - 1
 """The key of a training is 1000 seed + its number, in 32 bits."""
 
@@ -59,8 +62,12 @@ Seed = Annotated[int, _number("seed", int, 0, LARGEST_SEED)]
 Cases = Annotated[int, _number("cases", int, 2, MOST_CASES)]
 Episodes = Annotated[int | None, _number("episodes", int, 1, 1000), SILENT]
 Epochs = Annotated[int | None, _number("epochs", int, 1, 1_000_000), SILENT]
+Steps = Annotated[int, _number("steps", int, LEAST_STEPS, 10**10)]
+Factor = Annotated[float, _number("factor", float, 0.0, 5.0)]
 Minutes = Annotated[float | None, _number("minutes", float, 0.1, 60.0), SILENT]
 Name = Annotated[str, arg(metavar="NAME")]
+Hall = Annotated[str | None, _kind("NAME|FILE", str), SILENT]
+Files = Annotated[tuple[Path, ...], arg(metavar="FILE ...", help_behavior_hint="")]
 Names = Annotated[tuple[str, ...], arg(metavar="NAME ...", help_behavior_hint="")]
 Contestants = Annotated[tuple[str, ...], Positional, arg(metavar="FILE|PILOT ...", help_behavior_hint="")]
 Folder = Annotated[Path, arg(metavar="FOLDER")]

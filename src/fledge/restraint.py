@@ -87,16 +87,16 @@ class Entry(NamedTuple):
 
 
 def examine(
-    pilots: Mapping[str, AbstractPilot],
+    name: str,
+    pilot: AbstractPilot,
     nets: Mapping[str, AbstractNet],
     trials: Mapping[str, Trials],
     rig: Rig = Rig(),
 ) -> Iterator[Entry]:
-    """Fly every pilot behind every net; the kinds of flights are those of `AXES`."""
-    for pilot_name, pilot in pilots.items():
-        for net_name, net in nets.items():
-            crews = {kind: Crew(pilot, AXES[kind], net) for kind in trials}
-            yield Entry(pilot_name, net_name, {kind: _fly(crews[kind], trials[kind], rig) for kind in trials})
+    """Fly a pilot behind every net; the kinds of flights are those of `AXES`."""
+    for net_name, net in nets.items():
+        bills = {kind: _fly(Crew(pilot, AXES[kind], net), flights, rig) for kind, flights in trials.items()}
+        yield Entry(name, net_name, bills)
 
 
 BATCH = 100

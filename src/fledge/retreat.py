@@ -6,7 +6,6 @@ vehicle at a crawl, there is no way out, and nothing is held against the net.
 """
 
 from dataclasses import replace
-from typing import Any
 
 import jax
 import jax.numpy as jnp
@@ -15,7 +14,7 @@ import numpy as np
 from fledge.attacks import drive
 from fledge.clearance import clearances
 from fledge.geometry import Vec3
-from fledge.scalars import Scalar, minimum, where
+from fledge.scalars import Scalar, where
 from fledge.scenarios import ROOMY
 from fledge.simulation import Rig
 from fledge.world import Arena, Commands, UgvState, VelocityCommand, WorldState
@@ -44,23 +43,22 @@ def place(world: WorldState, focus: Scalar) -> Vec3:
 def way_out(rig: Rig, arena: Arena, world: WorldState, focus: Scalar, last: Vec3) -> tuple[Vec3, Scalar]:
     """(where to lead the vehicle in focus, a unit vector; whether there is room): as before if that will still do."""
     ways = jnp.concatenate([WAYS, jnp.stack([last.x, last.y, last.z])[None]])
-    rooms = jax.vmap(lambda way: _room(rig, arena, world, focus, Vec3(way[0], way[1], way[2])))(ways)
+    steps = ways[:, None] * np.array(STEPS)[:, None]
+    room = jax.vmap(lambda step: _room(rig, arena, world, focus, Vec3(step[0], step[1], step[2])))
+    rooms = jax.vmap(room)(steps).min(axis=1)
     needed = where(focus > 0.0, ROOMY[1], ROOMY[0])
     # Whoever dithers between two good ways gets nowhere.
     best = where(rooms[-1] > needed, len(WAYS), jnp.argmax(rooms[:-1]))
     return Vec3(ways[best, 0], ways[best, 1], ways[best, 2]), rooms[best] > needed
 
 
-def _room(rig: Rig, arena: Arena, world: WorldState, focus: Scalar, way: Vec3) -> Scalar:
-    """Least free distance [m] of the vehicle in focus over the next steps; below 0 for a UGV up or down."""
-    least: Any = jnp.inf
-    for far in STEPS:
-        moved = _moved(world, focus, way * far)
-        gap, *others = (near.gap for near in clearances(arena, moved, rig.uav, rig.formation.fleet))
-        for i, other in enumerate(others, start=1):
-            gap = where(focus == float(i), other, gap)
-        least = minimum(least, gap)
-    return where((focus > 0.0) & (way.z != 0.0), -1.0, least)
+def _room(rig: Rig, arena: Arena, world: WorldState, focus: Scalar, step: Vec3) -> Scalar:
+    """Free distance [m] of the vehicle in focus after a step [m]; below 0 for a UGV that should go up or down."""
+    moved = _moved(world, focus, step)
+    gap, *others = (near.gap for near in clearances(arena, moved, rig.uav, rig.formation.fleet))
+    for i, other in enumerate(others, start=1):
+        gap = where(focus == float(i), other, gap)
+    return where((focus > 0.0) & (step.z != 0.0), -1.0, gap)
 
 
 def _moved(world: WorldState, focus: Scalar, by: Vec3) -> WorldState:

@@ -6,6 +6,7 @@ compiled program. What is rejected is counted. Starts crowd near walls and obsta
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from math import hypot
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +28,8 @@ NEAR, CROWDED = 1.0, 0.6
 MOST_OBSTACLES = 10
 PASSAGE = 1.6
 """[m] least width of a gap between things that is not closed altogether: every vehicle gets through."""
+TRIES = 50
+"""To place an obstacle."""
 HALLS = ((0.7, (5.0, 5.0, 6.0)), (1.0, (3.3, 2.5, 4.0)))
 """(cumulative odds, (half length, half width, ceiling) [m]): the paper's arena and a room like its lab."""
 PLACES = 400
@@ -140,31 +143,36 @@ def _vector(numbers: np.ndarray) -> Vec3:
 
 def draw_arena(rng: np.random.Generator) -> tuple[Arena, int]:
     """(a random arena with 0 to 10 obstacles, how many were rejected before it)."""
-    rejected = 0
+    count, rejected = int(rng.integers(MOST_OBSTACLES + 1)), 0
     while True:
-        arena = _try_arena(rng, int(rng.integers(MOST_OBSTACLES + 1)))
+        arena = _try_arena(rng, count)
         if arena is not None:
             return arena, rejected
         rejected += 1
 
 
 def _try_arena(rng: np.random.Generator, count: int) -> Arena | None:
-    """None where a gap is too narrow."""
+    """None if an obstacle finds no place."""
     odds = rng.random()
     x_half, y_half, ceiling = next(hall for most, hall in HALLS if odds < most)
     bounds = Box(-x_half, x_half, -y_half, y_half)
-    placed: list[Obstacle] = []
+    placed: list[Box] = []
     for _ in range(count):
-        x, y = rng.uniform(-x_half, x_half), rng.uniform(-y_half, y_half)
-        w, h = rng.uniform(0.1, 0.6, 2)
-        box = Box(float(x - w), float(x + w), float(y - h), float(y + h))
-        if any(0.0 < gap < PASSAGE for gap in _gaps(box, bounds, placed)):
+        boxes = (_box(rng, x_half, y_half) for _ in range(TRIES))
+        fitting = (box for box in boxes if not any(0.0 < gap < PASSAGE for gap in _gaps(box, bounds, placed)))
+        box = next(fitting, None)
+        if box is None:
             return None
-        placed.append(Obstacle(box, float(rng.uniform(0.3, 2.5))))
-    return Arena(bounds, ceiling, tuple(placed))
+        placed.append(box)
+    return Arena(bounds, ceiling, tuple(Obstacle(box, float(rng.uniform(0.3, 2.5))) for box in placed))
 
 
-def _gaps(box: Box, bounds: Box, others: Sequence[Obstacle]) -> Iterator[float]:
+def _box(rng: np.random.Generator, x_half: float, y_half: float) -> Box:
+    x, y, w, h = rng.uniform((-x_half, -y_half, 0.1, 0.1), (x_half, y_half, 0.6, 0.6)).tolist()
+    return Box(x - w, x + w, y - h, y + h)
+
+
+def _gaps(box: Box, bounds: Box, others: Sequence[Box]) -> Iterator[float]:
     """Width [m] of every gap beside a box; 0 where it is closed."""
     walls = (
         box.x_min - bounds.x_min,
@@ -174,10 +182,9 @@ def _gaps(box: Box, bounds: Box, others: Sequence[Obstacle]) -> Iterator[float]:
     )
     yield from (max(gap, 0.0) for gap in walls)
     for other in others:
-        o = other.footprint
-        across = max(o.x_min - box.x_max, box.x_min - o.x_max, 0.0)
-        along = max(o.y_min - box.y_max, box.y_min - o.y_max, 0.0)
-        yield float(np.hypot(across, along))
+        across = max(other.x_min - box.x_max, box.x_min - other.x_max, 0.0)
+        along = max(other.y_min - box.y_max, box.y_min - other.y_max, 0.0)
+        yield hypot(across, along)
 
 
 # Starts.

@@ -19,7 +19,6 @@ import numpy as np
 
 from fledge.attacks import Chance
 from fledge.clearance import Nearest
-from fledge.dynamics import UGV_FLEET
 from fledge.geometry import Vec3
 from fledge.melee import Bodies, Scene, begin, draw_chance, drive, move, obeyed
 from fledge.pilots import AbstractPilot
@@ -28,7 +27,7 @@ from fledge.safety import AbstractNet, UavStop, UgvStop
 from fledge.scalars import Scalar, maximum, minimum, where
 from fledge.scenarios import MOST_OBSTACLES, Scenario, Terms
 from fledge.simulation import TICK, apart, compiled, register, stack
-from fledge.trouble import Line, Link, Trouble, measured
+from fledge.trouble import Line, Link, measured
 from fledge.world import Commands, VelocityCommand, Verdict, WorldState
 
 HORIZON = 200
@@ -37,8 +36,6 @@ BREACH = 0.5
 """[m] the paper's margin about a vehicle's centre; coming nearer is a breach."""
 LEFT = 0.5
 """[m] a vehicle that moved so far in its retreat was no prisoner."""
-UAV_STOP, UGV_STOPS = UavStop(), tuple(UgvStop.of(model) for model in UGV_FLEET)
-"""What the vehicles do when their links are lost."""
 LOOK_AGAIN = 50
 """Ticks after which the retreat pilot looks for another way [10 ms]."""
 
@@ -50,6 +47,7 @@ class Trial:
     net: AbstractNet
     terms: Terms = Terms()
     record: bool = False
+    """Whether to keep every tick, which takes twice as long."""
 
 
 class Tally(NamedTuple):
@@ -134,6 +132,24 @@ def fly_sorties(
     return jax.tree.map(np.asarray, _program(trial)(pilot, stack(padded), seeds))
 
 
+def traceable(net: AbstractNet, scenario: Scenario) -> bool:
+    """Whether JAX can compile a net."""
+    hover = VelocityCommand.hover()
+    told = Commands(hover, (hover,) * len(scenario.world.ugvs))
+    register((scenario, told))
+
+    def judge(arena: Any, world: WorldState, told: Commands) -> Any:
+        memory = net.init(arena, world)
+        register(memory)
+        return net.filter(memory, world, told)
+
+    try:
+        jax.eval_shape(judge, scenario.arena, scenario.world, told)
+    except (TypeError, ValueError):  # JAX's own errors are TypeErrors
+        return False
+    return True
+
+
 @cache
 def _program(trial: Trial) -> Callable[..., Outcome]:
     return compiled(jax.vmap(partial(fly_sortie, trial), in_axes=(None, 0, 0)))
@@ -199,7 +215,7 @@ def _tick(
     net, verdicts = apart(trial.net.filter, flying.net, late, told)
     commands = Commands(verdicts[0].command, tuple(verdict.command for verdict in verdicts[1:]))
     sent = flying.sent.then(obeyed(scene.rig, commands))
-    links, done = _heard(flying.links, sent.late(trouble.latency), verdicts, trouble, tick)
+    links, done = _heard(scene, flying.links, sent.late(trouble.latency), verdicts)
     bodies = move(scene, before, done, tick)
     stepped_in = sum(verdict.intervened for verdict in verdicts)
     tally = _counted(scene, flying.tally, bodies.near, stepped_in, tick)
@@ -208,16 +224,17 @@ def _tick(
 
 
 def _heard(
-    links: tuple[Link, ...], told: Commands, verdicts: tuple[Verdict, ...], trouble: Trouble, tick: Scalar
+    scene: Scene, links: tuple[Link, ...], told: Commands, verdicts: tuple[Verdict, ...]
 ) -> tuple[tuple[Link, ...], Commands]:
     """(links, what the vehicles do); a link is lost at the first intervention, whose command never arrives."""
-    after = []
-    for link, command, verdict, stop in zip(
-        links, (told.uav, *told.ugvs), verdicts, (UAV_STOP, *UGV_STOPS), strict=True
-    ):
-        after.append(link.then((trouble.cut > 0.0) & (verdict.intervened > 0.0), command, stop, TICK))
-    done = [command for _, command in after]
-    return tuple(link for link, _ in after), Commands(done[0], tuple(done[1:]))
+    stops = (UavStop(), *map(UgvStop.of, scene.rig.formation.fleet))
+    vehicles = zip(links, (told.uav, *told.ugvs), verdicts, stops, strict=True)
+    after = [
+        link.then((scene.scenario.trouble.cut > 0.0) & (verdict.intervened > 0.0), command, stop, TICK)
+        for link, command, verdict, stop in vehicles
+    ]
+    uav, *ugvs = (command for _, command in after)
+    return tuple(link for link, _ in after), Commands(uav, tuple(ugvs))
 
 
 def _counted(

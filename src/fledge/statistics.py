@@ -212,6 +212,17 @@ def welch_p(mean_a: float, sd_a: float, n_a: int, mean_b: float, sd_b: float, n_
     return float(stats.ttest_ind_from_stats(mean_a, sd_a, n_a, mean_b, sd_b, n_b, equal_var=False).pvalue)
 
 
+def upper_bound(events: int, trials: int, level: float = 0.95) -> float:
+    """One-sided upper bound of the probability of an event that came in so many of the trials.
+
+    Exact: Clopper and Pearson, Biometrika 26, 1934. Without events it is about 3 / trials, at 95 %.
+    """
+    _require(trials >= 1, "trials", trials, "1 or more")
+    _require(0 <= events <= trials, "events", events, f"0 to {trials}")
+    _require(0.0 < level < 1.0, "level", level, "between 0 and 1, 0.95 for 95 %")
+    return 1.0 if events == trials else float(stats.beta.ppf(level, events + 1, trials - events))
+
+
 def _require(holds: bool, what: str, got: object, valid: str) -> None:
     if not holds:
         raise OutOfRange(what, got, valid)

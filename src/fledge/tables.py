@@ -63,6 +63,26 @@ def _comparison(one: Mapping[str, Any]) -> tuple[str, ...]:
     )
 
 
+def attacks(title: str, found: Mapping[str, Any]) -> Table:
+    """What came of the attacks of every family, and of all."""
+    heads = ("", "flights", "contacts", "dead-locks", "breaches", "false\nalarms [%]") + (
+        "least gap\nUAV [m]",
+        "least gap\nUGV [m]",
+    )
+    rows = [*found["families"].items(), ("all", found)]
+    return Table(title, heads, tuple(_attacks(name, one) for name, one in rows))
+
+
+def _attacks(name: str, one: Mapping[str, Any]) -> tuple[str, ...]:
+    return (
+        name,
+        *(f"{one[key]:,}" for key in ("flights", "contacts", "deadlocks", "breaches")),
+        "-" if one["false_alarm_rate"] is None else f"{100.0 * one['false_alarm_rate']:.1f}",
+        f"{one['least_gap_m']['uav']:.2f}",
+        f"{one['least_gap_m']['ugv']:.2f}",
+    )
+
+
 def operator(found: Mapping[str, Any]) -> Table:
     """Whether the operator is credible: what was measured of it, beside the bands that people reach."""
     heads = ("", *map(_head, CREDIBILITY.values()), "inside")
