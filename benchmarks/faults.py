@@ -104,13 +104,26 @@ def row(fault: Fault, counts: list[dict[str, Any]]) -> str:
     return "| " + " | ".join(map(str, cells)) + " |"
 
 
+def _percent(share: float) -> str:
+    return "<1 %" if share < 0.005 else f"{100 * share:.0f} %"
+
+
+def summary(counts: list[dict[str, Any]]) -> str:
+    """What came of all faults of which something is promised, in a sentence."""
+    promised = [c for c in counts if c["promise"] != Promise.NONE]
+    flights, touched = (sum(c[name] for c in promised) for name in ("flights", "touched"))
+    faults = len({c["fault"] for c in promised})
+    most = f"with 95 % confidence fewer than {300 / flights:.2g} % do" if not touched else "a broken promise"
+    return f"{flights} flights with {faults} faults of which something is promised: {touched} touched anything; {most}."
+
+
 def matrix(counts: list[dict[str, Any]]) -> str:
     """All of it in Markdown, a table for each promise."""
     tables = []
     for promise in Promise:
         rows = [row(f, [c for c in counts if c["fault"] == f.name]) for f in FAULTS if f.promise == promise]
         tables.append("\n".join([f"**{str(promise).capitalize()}**", "", HEAD, *rows]))
-    return "\n\n".join(tables)
+    return "\n\n".join([summary(counts), *tables])
 
 
 def main() -> None:
@@ -120,7 +133,8 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=0, help="of them all")
     asked = parser.parse_args()
     counts = [count(flown) for flown in fly(asked.seeds, asked.seed)]
-    DATA.write_text(json.dumps({"seeds": asked.seeds, "seed": asked.seed, "counts": counts}, indent=1) + "\n")
+    lines = ",\n".join(map(json.dumps, counts))
+    DATA.write_text(f'{{"seeds": {asked.seeds}, "seed": {asked.seed}, "counts": [\n{lines}\n]}}\n')
     before, _, rest = CASE.read_text().partition(BEGIN)
     _, _, after = rest.partition(END)
     CASE.write_text(f"{before}{BEGIN}\n{matrix(counts)}\n{END}{after}")
