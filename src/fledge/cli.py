@@ -22,7 +22,7 @@ Everything at once: fledge reproduce. Step by step:
   fledge train demos
   fledge evaluate policy.onnx servo
   fledge replay demos/combined-000.mcap
-The safety net under attack: fledge falsify"""
+  fledge falsify --net stop-tube"""
 
 COMMANDS: dict[str, Callable[..., None]] = {
     "reproduce": commands.reproduce,

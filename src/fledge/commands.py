@@ -249,17 +249,16 @@ def falsify(
 ) -> None:
     """Attack a safety net in the simulator, and count what it let happen.
 
-    Every flight is 10 s of attack on all vehicles at once, as bad as the contract
-    allows, and 10 s in which one of them is led away from where that has left it.
+    A flight is 10 s of attack on all vehicles, then 10 s of leading one away.
 
-    Found are
-    - contacts: flights in which a hull touched a wall, a thing or a vehicle
-    - dead-locks: a vehicle could not be led away, although there was a way
-    - breaches: a vehicle's centre came nearer than 0.5 m to something
-    - false alarms: the net stepped in where nothing would have been touched
+    What is counted
+    - contacts: flights in which a hull touched something
+    - dead-locks: flights whose vehicle was not let out, though there was a way
+    - breaches: flights in which a centre came within 0.5 m of something
+    - false alarms: times the net stepped in where nothing would have been touched
 
     Args:
-        net: What is attacked: none, paper, stop-tube, ..., or package.module:Name of your own.
+        net: What is attacked: stop-tube, barrier, conformal, paper, paper-repaired, none, or package.module:Name.
         steps: To fly in all, at 100 a second; 2000 make a flight.
         policy: ONNX files of policies that fly, too; by default two are trained first.
         arena: Where to fly: square, lab, or a TOML file of your own; random arenas by default.
