@@ -19,7 +19,7 @@ venv: $(SYNCED) ## build .venv from requirements.lock, with fledge in it
 reproduce: $(SYNCED) ## run the study in brief and write report/index.html
 	$(BIN)/fledge reproduce --out report
 
-full: $(SYNCED) ## run the whole study (half an hour) and write report-full/index.html
+full: $(SYNCED) ## run the whole study (an hour) and write report-full/index.html
 	$(BIN)/fledge reproduce --full --out report-full
 
 test: $(SYNCED) ## run every test; fail below 95 % of lines covered

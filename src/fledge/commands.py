@@ -50,8 +50,8 @@ def reproduce(
     Trains a few networks of each set-up, which takes minutes; or else see below.
 
     Args:
-        quick: Train one network of each set-up; a minute.
-        full: Train 20 of every set-up there is, some for 10000 epochs; half an hour.
+        quick: Train one network of each set-up, fly behind three nets; two minutes.
+        full: Train 20 of every set-up there is, some for 10000 epochs; an hour.
         seed: Another seed: other demonstrations, networks and test cases.
         out: Where everything goes.
         json: Write the results to this file, too; with -, to standard output and nothing else there.

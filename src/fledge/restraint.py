@@ -25,7 +25,7 @@ from fledge.pilots import AbstractPilot
 from fledge.safety import NETS, AbstractNet
 from fledge.setups import TEST_MANOEUVRES
 from fledge.simulation import Case, Crew, Rig, flight_key, fly
-from fledge.statistics import non_inferior
+from fledge.statistics import non_inferior, upper_bound
 from fledge.world import Arena
 
 NAMED = {type(net).__module__.rpartition(".")[2].replace("_", "-"): net for net in NETS}
@@ -152,6 +152,7 @@ def _numbers(bill: Bill, rows: int) -> dict[str, Any]:
         "interventions": _shares(bill.interventions, rows),
         "false_alarms": _shares(bill.needless, rows),
         "contacts": touched,
+        "upper_bound_95": upper_bound(touched, flights),
         "least_gap_m": {"uav": float(bill.gap[:, 0].min()), "ugv": float(bill.gap[:, 1:].min())},
         "near": {
             "uav": float((bill.thing[:, 0] < NEAR).mean()),

@@ -175,7 +175,7 @@ class Study:
 
     @classmethod
     def of(cls, mode: Literal["quick", "brief", "full"], seed: int = 0) -> "Study":
-        """Under a minute, a few minutes, or half an hour on two cores."""
+        """Two minutes, several minutes, or an hour on two cores."""
         if seed < 0:
             raise OutOfRange("seed", seed, "0 or more")
         if mode == "full":
