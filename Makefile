@@ -8,10 +8,10 @@ SYNCED := .venv/.synced
 UV := $(BIN)/uv $(if $(wildcard /etc/ssl/certs/ca-certificates.crt),--system-certs)
 
 .DEFAULT_GOAL := help
-.PHONY: help venv reproduce full test check mutations faults types style lock clean
+.PHONY: help venv reproduce full lab-study test check mutations faults margins lab types style lock clean
 
 help: ## list these verbs
-	@awk -F ':.*## ' '/^[a-z]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-10s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
 
 venv: $(SYNCED) ## build .venv from requirements.lock, with fledge in it
 	@true
@@ -19,8 +19,11 @@ venv: $(SYNCED) ## build .venv from requirements.lock, with fledge in it
 reproduce: $(SYNCED) ## run the study in brief and write report/index.html
 	$(BIN)/fledge reproduce --out report
 
-full: $(SYNCED) ## run the whole study (an hour) and write report-full/index.html
+full: $(SYNCED) ## run the whole study (half an hour) and write report-full/index.html
 	$(BIN)/fledge reproduce --full --out report-full
+
+lab-study: $(SYNCED) ## fly the lab's twin with the policy of make reproduce (quarter of an hour), write report-lab/index.html
+	$(BIN)/fledge lab-study report/policies/primitive.onnx --out report-lab
 
 test: $(SYNCED) ## run every test; fail below 95 % of lines covered
 	@$(BIN)/python -m pytest -n $(JOBS) --dist loadfile --cov --cov-report=term --cov-fail-under=95
@@ -36,6 +39,12 @@ mutations: $(SYNCED) ## delete each clause of the nets; a test must fail every t
 faults: $(SYNCED) ## fly every fault by the hundred (ten minutes) and write the matrix into docs/safety-case.md
 	$(BIN)/python benchmarks/faults.py
 
+margins: $(SYNCED) ## measure how much of the net's margin is needed (twenty minutes) for docs/safety-case.md
+	$(BIN)/python benchmarks/margins.py --json benchmarks/margins.json --figure docs/pictures/sharpness.png
+
+lab: $(SYNCED) ## fly 1,000 flights in the lab's twin behind each of two nets (an hour and a half)
+	$(BIN)/python benchmarks/lockstep.py --json benchmarks/lockstep.json
+
 types: $(SYNCED) ## check types
 	$(BIN)/pyright
 
@@ -45,14 +54,14 @@ style: $(SYNCED) ## format the code and mend what can be mended
 
 lock: | $(BIN)/uv ## write requirements.lock anew from pyproject.toml (UPGRADE=--upgrade takes newer versions)
 	$(UV) pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --generate-hashes \
-	  --no-emit-index-url --no-header $(UPGRADE) --group dev --output-file requirements.lock pyproject.toml
+	  --no-emit-index-url --no-header $(UPGRADE) --all-extras --group dev --output-file requirements.lock pyproject.toml
 
 clean: ## remove .venv, caches and builds; reports stay
 	rm -rf .venv .coverage .coverage.* .hypothesis .pytest_cache .ruff_cache build dist
 	find src tests -name __pycache__ -prune -exec rm -rf {} +
 
 $(SYNCED): requirements.lock pyproject.toml | $(BIN)/uv
-	$(UV) pip sync --quiet --python $(BIN)/python --require-hashes requirements.lock
+	$(UV) pip sync --quiet --compile-bytecode --python $(BIN)/python --require-hashes requirements.lock
 	$(UV) pip install --quiet --python $(BIN)/python --no-deps --no-build-isolation --editable .
 	@touch $@
 

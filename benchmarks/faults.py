@@ -14,10 +14,10 @@ from typing import Any, NamedTuple
 import jax
 import numpy as np
 
-from fledge.drills import PHASES, Drill, Report, draw_drill, judge
-from fledge.faults import FAULTS, Fault, Promise
-from fledge.injection import fly_drills
-from fledge.modes import Mode
+from fledge.faults.catalogue import FAULTS, Fault, Promise
+from fledge.faults.drills import PHASES, Drill, Report, draw_drill, judge
+from fledge.faults.injection import fly_drills
+from fledge.supervision.modes import Mode
 
 HERE = Path(__file__).parent
 CASE = HERE.parent / "docs" / "safety-case.md"

@@ -1,9 +1,9 @@
-"""How long the default net takes in the lab: plain Python, one UAV and three UGVs, ten obstacles.
+"""How long a net takes in the lab: plain Python, one UAV and three UGVs, ten obstacles.
 
 Every call gets another state and other commands, drawn beforehand; garbage collection as it comes. The tick it must fit
 into has 10 ms.
 
-    python benchmarks/net.py [--calls N]
+    python benchmarks/net.py [--calls N] [stop-tube | barrier]
 """
 
 import argparse
@@ -16,6 +16,7 @@ from fledge.safety import Barrier, StopTube
 from fledge.world import Arena, Commands, Obstacle, UavState, UgvState, VelocityCommand, WorldState
 
 STATES = 1000
+NETS = {"stop-tube": StopTube(), "barrier": Barrier()}
 
 
 def arena() -> Arena:
@@ -41,23 +42,23 @@ def drawn(rng: np.random.Generator) -> tuple[WorldState, Commands]:
 
 def main() -> None:
     """Measure and print."""
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser = argparse.ArgumentParser(description="How long a net takes in the lab.")
     parser.add_argument("--calls", type=int, default=1_000_000)
-    calls = parser.parse_args().calls
+    parser.add_argument("net", nargs="?", choices=NETS, default="stop-tube")
+    given = parser.parse_args()
+    calls = given.calls
     rng = np.random.default_rng(0)
     inputs = [drawn(rng) for _ in range(STATES)]
-    for net in (StopTube(), Barrier()):
-        memory = net.init(arena(), inputs[0][0])
-        took = np.empty(calls)
-        for i in range(calls):
-            world, commands = inputs[i % STATES]
-            begin = time.perf_counter()
-            memory, _ = net.filter(memory, world, commands)
-            took[i] = time.perf_counter() - begin
-        p50, p999, most = 1e3 * np.quantile(took, (0.5, 0.999, 1.0))
-        print(
-            f"{type(net).__name__}: {calls:,} calls, median {p50:.3f} ms, p99.9 {p999:.3f} ms, most {most:.2f} ms"
-        )
+    net = NETS[given.net]
+    memory = net.init(arena(), inputs[0][0])
+    took = np.empty(calls)
+    for i in range(calls):
+        world, commands = inputs[i % STATES]
+        begin = time.perf_counter()
+        memory, _ = net.filter(memory, world, commands)
+        took[i] = time.perf_counter() - begin
+    p50, p999, most = 1e3 * np.quantile(took, (0.5, 0.999, 1.0))
+    print(f"{given.net}: {calls:,} calls, median {p50:.3f} ms, p99.9 {p999:.3f} ms, most {most:.2f} ms")
 
 
 if __name__ == "__main__":

@@ -15,9 +15,9 @@ import numpy as np
 import onnxruntime
 
 from fledge import Case, Crew, Policy, fly_plain, write_policy
-from fledge.evaluation import evaluate
 from fledge.manoeuvres import Combined
 from fledge.pilots import HumanModel, Servo
+from fledge.study.evaluation import evaluate
 
 ROWS = 400
 SECONDS = ROWS / 20.0

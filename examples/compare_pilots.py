@@ -1,8 +1,8 @@
 """Let two pilots fly the same cases, and say what may be claimed. What `fledge.read_policy` reads is a pilot, too."""
 
-from fledge.experiments import duel
 from fledge.manoeuvres import Combined
 from fledge.pilots import Servo
+from fledge.study.experiments import duel
 
 PATIENT = Servo(p=1.0)
 

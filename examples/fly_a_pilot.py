@@ -3,11 +3,11 @@
 from pathlib import Path
 
 import fledge
-from fledge.demonstrations import Order, collect
-from fledge.evaluation import score
+from fledge.learning.demonstrations import Order, collect
 from fledge.manoeuvres import Combined
 from fledge.pilots import HumanModel
-from fledge.replay import draw_flight
+from fledge.report.replay import draw_flight
+from fledge.study.evaluation import score
 
 
 def main(folder=Path(), seconds=20):

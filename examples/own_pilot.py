@@ -47,8 +47,8 @@ class Smooth(fledge.AbstractPilot):
 
 
 def main(seconds=20):
-    from fledge.evaluation import score
     from fledge.manoeuvres import Combined
+    from fledge.study.evaluation import score
 
     case = fledge.Case.draw(Combined(), key=(0,), rows=20 * seconds)
     scores = {}

@@ -6,9 +6,10 @@ from math import inf
 
 from fledge.clearance import clearances
 from fledge.dynamics import UGV_FLEET, Quadrotor
+from fledge.engines import PLAIN
 from fledge.geometry import Box, Quat, Vec3
 from fledge.safety import AbstractNet
-from fledge.simulation import PLAIN, TICK, Rig, fly_tick
+from fledge.simulation import TICK, Rig, fly_tick
 from fledge.world import Arena, Commands, UavState, UgvState, VelocityCommand, Verdict, WorldState
 
 HOVER = VelocityCommand.hover()

@@ -1,7 +1,7 @@
 """Delete each clause of the stop-tube nets, one at a time, and see that a test fails: `make mutations`.
 
 A clause is a line of the proof: a term of the margin, a condition under which a command may pass, an error that is
-counted. The table of the supervisor is mutated row by row in `tests/test_modes.py`.
+counted. The table of the supervisor is mutated row by row in `tests/supervision/test_modes.py`.
 """
 
 import os
@@ -71,9 +71,12 @@ CLAUSES: dict[str, list[tuple[str, str]]] = {
         ("where(holding, ahead * PULL, Vec3(zero, zero, zero))", "Vec3(zero, zero, zero)"),
         ("(already | slow | tight)", "(already | slow)"),
         ("step = where(tight, RETREAT * contract.period, 0.0)", "step = 0.0"),
+        ("turn = where(stands | _clears(faces, way(0.0, turn)), turn, 0.0 * turn)", "turn = 1.0 * turn"),
+        ("where(stands | _clears(faces, way(0.0, turn)),", "where(_clears(faces, way(0.0, turn)),"),
         ("turning = where(passes | stands, turn, zero)", "turning = where(passes, turn, zero)"),
         ("turning = where(passes | stands, turn, zero)", "turning = turn"),
         ("tube.moved(velocity * stop.hold_over)", "tube"),
+        ("landing = where(age <= 2.0 * net.contract.age, 0.0 * age, -FREE)", "landing = 0.0 * age"),
         ("commitments[i] = _commitment(net, stop, world.ugvs[i], one, world.t)", "pass"),
         ("clip(proposed.forward, -stop.most, stop.most), clip", "proposed.forward, clip"),
     ],

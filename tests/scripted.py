@@ -4,10 +4,11 @@ from dataclasses import dataclass, replace
 from math import nan
 
 from fledge.geometry import Quat, Vec3
-from fledge.inputs import Inputs, Operator
-from fledge.modes import Mode
 from fledge.safety.base import AbstractNet
-from fledge.supervisor import Decision, Supervisor
+from fledge.supervision.inputs import Inputs, Operator
+from fledge.supervision.modes import Mode
+from fledge.supervision.posts import Decision
+from fledge.supervision.supervisor import Supervisor
 from fledge.world import (
     Arena,
     Commands,

@@ -9,7 +9,7 @@ import pytest
 
 from fledge import console
 from fledge.errors import FledgeError
-from fledge.tables import Table
+from fledge.report.tables import Table
 
 TABLE = Table(
     "flights of [bold] :warning:", ("", "error\n[px]"), (("a long name indeed " * 8, "1.0"), ("b", "22.5"))

@@ -4,11 +4,12 @@ import numpy as np
 
 from fledge.camera import Lens
 from fledge.conditions import Conditions
+from fledge.engines import fly_plain
 from fledge.episode import Flight
 from fledge.manoeuvres import Climb
 from fledge.observation import IDEAL_RADIUS_PX, StickScale
 from fledge.pilots import Servo
-from fledge.simulation import Case, Crew, fly_plain
+from fledge.simulation import Case, Crew
 
 
 def test_a_flight_knows_its_rows_and_what_it_was():

@@ -6,8 +6,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fledge.policy import Contract, Policy
-from fledge.simulation import Case, Crew, fly_plain, traceable
+from fledge.engines import fly_plain, traceable
+from fledge.learning.policy import Contract, Policy
+from fledge.simulation import Case, Crew
 from fledge.storage import write_policy
 
 EXAMPLES = Path(__file__).parents[1] / "examples"

@@ -8,7 +8,8 @@ from fledge.geometry import Box
 from fledge.manoeuvres import MANOEUVRES, AbstractManoeuvre, Combined
 from fledge.pilots import PILOTS, AbstractPilot, Servo
 from fledge.safety import NETS, AbstractNet, NoNet, StopTube
-from fledge.setups import HELD_OUT_FAMILIES
+from fledge.storage import read_contract
+from fledge.study.setups import HELD_OUT_FAMILIES
 from fledge.world import Arena
 
 
@@ -93,3 +94,13 @@ def test_any_other_arena_is_a_file(tmp_path, monkeypatch):
 def test_an_unknown_arena_is_told_which_there_are(name):
     with pytest.raises(UnknownName, match="unknown arena '.*': valid are FILE.toml, lab, square$"):
         lookup.arena(name)
+
+
+def test_a_net_in_a_lab_relies_on_its_contract(tmp_path):
+    ours, mine = lookup.lab_net("stop-tube"), tmp_path / "mine.toml"
+    assert ours == read_contract(lookup.CONTRACTS["ar-drone-2"]).under(StopTube()) != StopTube()
+    mine.write_text(lookup.CONTRACTS["ar-drone-2"].read_text().replace("error_m = 0.1312", "error_m = 0.2"))
+    assert lookup.lab_net("stop-tube", str(mine)).uav.error == 0.2
+    assert lookup.lab_net("none") == NoNet()
+    with pytest.raises(UnknownName, match="unknown contract 'paper': valid are FILE.toml, ar-drone-2"):
+        lookup.lab_net("stop-tube", "paper")

@@ -58,7 +58,9 @@ def test_wheel_says_its_licence_and_its_command(wheel: ZipFile, metadata: Messag
 
 def test_wheel_says_what_it_needs(metadata: Message) -> None:
     needs = {Requirement(need) for need in metadata.get_all("Requires-Dist", [])}
-    assert needs == {Requirement(need) for need in PROJECT["project"]["dependencies"]}
+    extras = PROJECT["project"]["optional-dependencies"]
+    optional = [f'{need}; extra == "{name}"' for name, some in extras.items() for need in some]
+    assert needs == {Requirement(need) for need in (*PROJECT["project"]["dependencies"], *optional)}
 
 
 def test_versions_agree() -> None:

@@ -8,18 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from fledge.camera import Lens
-    from fledge.demonstrations import Demonstrations
+    from fledge.engines import fly, fly_plain
     from fledge.errors import FledgeError
-    from fledge.fusion import CompositeSet, SubTask, estimate_delay, fuse
+    from fledge.learning.demonstrations import Demonstrations
+    from fledge.learning.fusion import CompositeSet, SubTask, estimate_delay, fuse
+    from fledge.learning.policy import Contract, Policy
+    from fledge.learning.recipe import Recipe
+    from fledge.learning.training import LossCurve, fit
     from fledge.manoeuvres import AbstractManoeuvre
     from fledge.observation import Action, Observation
     from fledge.pilots import AbstractPilot
-    from fledge.policy import Contract, Policy
-    from fledge.recipe import Recipe
     from fledge.safety import AbstractNet
-    from fledge.simulation import Case, Crew, Rig, fly, fly_plain
+    from fledge.simulation import Case, Crew, Rig
     from fledge.storage import read_flight, read_policy, write_flight, write_policy
-    from fledge.training import LossCurve, fit
 
 _HOME = {
     "AbstractManoeuvre": "manoeuvres",
@@ -27,23 +28,23 @@ _HOME = {
     "AbstractPilot": "pilots",
     "Action": "observation",
     "Case": "simulation",
-    "CompositeSet": "fusion",
-    "Contract": "policy",
+    "CompositeSet": "learning.fusion",
+    "Contract": "learning.policy",
     "Crew": "simulation",
-    "Demonstrations": "demonstrations",
+    "Demonstrations": "learning.demonstrations",
     "FledgeError": "errors",
     "Lens": "camera",
-    "LossCurve": "training",
+    "LossCurve": "learning.training",
     "Observation": "observation",
-    "Policy": "policy",
-    "Recipe": "recipe",
+    "Policy": "learning.policy",
+    "Recipe": "learning.recipe",
     "Rig": "simulation",
-    "SubTask": "fusion",
-    "estimate_delay": "fusion",
-    "fit": "training",
-    "fly": "simulation",
-    "fly_plain": "simulation",
-    "fuse": "fusion",
+    "SubTask": "learning.fusion",
+    "estimate_delay": "learning.fusion",
+    "fit": "learning.training",
+    "fly": "engines",
+    "fly_plain": "engines",
+    "fuse": "learning.fusion",
     "read_flight": "storage",
     "read_policy": "storage",
     "write_flight": "storage",

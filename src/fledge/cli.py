@@ -12,7 +12,8 @@ from typing import Annotated, Any, Union
 
 import tyro
 
-from fledge import commands, console, guests
+from fledge import console, guests
+from fledge.commands import cockpit, fly, identify, lab_study, study, twin
 from fledge.errors import FledgeError
 
 ABOUT = """Teach a drone a composite skill from demonstrations of its simple parts.
@@ -25,13 +26,18 @@ Everything at once: fledge reproduce. Step by step:
   fledge falsify --net stop-tube"""
 
 COMMANDS: dict[str, Callable[..., None]] = {
-    "reproduce": commands.reproduce,
-    "demonstrate": commands.demonstrate,
-    "train": commands.train,
-    "evaluate": commands.evaluate,
-    "replay": commands.replay,
-    "falsify": commands.falsify,
-    "doctor": commands.examine,
+    "reproduce": study.reproduce,
+    "demonstrate": study.demonstrate,
+    "train": study.train,
+    "evaluate": study.evaluate,
+    "replay": study.replay,
+    "falsify": study.falsify,
+    "twin": twin.twin,
+    "fly": fly.fly,
+    "identify": identify.identify,
+    "lab-study": lab_study.lab_study,
+    "cockpit": cockpit.cockpit,
+    "doctor": study.examine,
 }
 
 

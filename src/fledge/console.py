@@ -16,7 +16,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeElapsedColumn, TimeRemainingColumn
 from rich.table import Table as Grid
 
-from fledge.tables import Table
+from fledge.report.tables import Table
 
 STANDARD_OUTPUT = Path("-")
 """As a file's name."""

@@ -240,7 +240,7 @@ class Pioneer:
 
 
 P3_DX = Pioneer()
-P3_AT = Pioneer(max_speed=0.8, length=0.626, width=0.505, height=0.28)  # params/p3at-sh.p; cruising limit; 277 mm
+P3_AT = Pioneer(max_speed=0.8, length=0.626, width=0.505, height=0.28)  # params/p3at-sh.p; cruising limit
 
 UGV_FLEET = (P3_AT, P3_DX, P3_DX)
 """The paper's three heterogeneous UGVs; it does not say how many of each."""

@@ -12,7 +12,7 @@ from typing import Any
 from fledge.camera import Lens
 from fledge.observation import IDEAL_RADIUS_PX, Action, Observation, StickScale
 from fledge.scalars import maximum, minimum, where
-from fledge.world import Arena, Commands, Verdict, WorldState
+from fledge.world import Arena, Commands, Reason, Verdict, WorldState
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,14 +36,16 @@ class Episode:
 def over(ticks: Sequence[Verdict]) -> Verdict:
     """One vehicle's verdicts of a row as one: what was sent last, whether and why first it was not what was proposed.
 
+    That a person flew is a reason only if there is no other: else nobody would know that a net stopped the person.
     The clearance is the smallest.
     """
     whole, *later = ticks
     for tick in later:
+        stays = (whole.intervened > 0.0) & (whole.reason != float(Reason.TAKE_OVER))
         whole = Verdict(
             tick.command,
             maximum(whole.intervened, tick.intervened),
-            where(whole.intervened > 0.0, whole.reason, tick.reason),
+            where(stays, whole.reason, tick.reason),
             minimum(whole.clearance, tick.clearance),
         )
     return whole

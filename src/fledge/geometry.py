@@ -8,7 +8,7 @@ world coordinates.
 
 from dataclasses import dataclass
 
-from fledge.scalars import Scalar, asin, cos, maximum, minimum, sin, sqrt
+from fledge.scalars import Scalar, asin, clip, cos, maximum, minimum, sin, sqrt
 
 
 @dataclass(frozen=True, slots=True)
@@ -124,9 +124,7 @@ class Box:
 
     def gap(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
         """Vector [m] from the nearest point of the box to (x, y); zero inside."""
-        dx = x - minimum(maximum(x, self.x_min), self.x_max)
-        dy = y - minimum(maximum(y, self.y_min), self.y_max)
-        return dx, dy
+        return x - clip(x, self.x_min, self.x_max), y - clip(y, self.y_min, self.y_max)
 
     def distance(self, x: Scalar, y: Scalar) -> Scalar:
         """Signed distance [m] from (x, y) to the edge: positive outside, negative inside."""

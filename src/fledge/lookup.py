@@ -3,7 +3,8 @@
 A pilot, a manoeuvre or a net is named by its module (`servo` is `fledge/pilots/servo.py`, `fixed-altitude` is
 `fledge/manoeuvres/fixed_altitude.py`), or as `package.module:Name` from anywhere Python can import, the current
 folder included (see `guests`). There is no registry: whatever has the right base class will do. Who flies in an
-evaluation may be a policy's file, too. An arena is named by its file, and those in `fledge/arenas/` by its stem.
+evaluation may be a policy's file, too. An arena is named by its file, and those in `fledge/arenas/` by its stem; so is
+the contract of a lab's net, in `fledge/contracts/`.
 """
 
 import pkgutil
@@ -17,15 +18,19 @@ from fledge import guests
 from fledge.errors import BadFile, FledgeError, UnknownName
 
 if TYPE_CHECKING:
+    from fledge.learning.policy import Policy
     from fledge.manoeuvres import AbstractManoeuvre
     from fledge.pilots import AbstractPilot
-    from fledge.policy import Policy
     from fledge.safety import AbstractNet
-    from fledge.setups import Setup
+    from fledge.study.setups import Setup
     from fledge.world import Arena
 
 ARENAS = {path.stem: path for path in Path(__file__).with_name("arenas").glob("*.toml")}
 """The arenas that fledge brings along."""
+CONTRACTS = {path.stem: path for path in Path(__file__).with_name("contracts").glob("*.toml")}
+"""The contracts of safety nets that fledge brings along."""
+LAB_CONTRACT = "ar-drone-2"
+"""The twin's; what `fledge fly` relies on unless it is told otherwise."""
 
 
 def pilot(name: str) -> "AbstractPilot":
@@ -56,7 +61,7 @@ def test(name: str) -> "AbstractManoeuvre":
     Raises:
         FledgeError: there is none, or it is none.
     """
-    from fledge.setups import TEST_MANOEUVRES
+    from fledge.study.setups import TEST_MANOEUVRES
 
     declared = {one.name: one for one in TEST_MANOEUVRES}
     return declared.get(name) or manoeuvre(name)
@@ -73,13 +78,24 @@ def net(name: str) -> "AbstractNet":
     return find("fledge.safety", AbstractNet, name, guests.net)
 
 
+def lab_net(name: str, contract: str = LAB_CONTRACT) -> "AbstractNet":
+    """The safety net of that name, relying on a lab's contract: one by its name, or its file.
+
+    Raises:
+        FledgeError: there is none, or it is none.
+    """
+    from fledge.storage import read_contract
+
+    return read_contract(contract_file(contract)).under(net(name))
+
+
 def setup(name: str) -> "Setup":
     """The set-up of that name, of those that train once on demonstrations as they are stored.
 
     Raises:
         UnknownName: there is none.
     """
-    from fledge.setups import BASIC, FURTHER
+    from fledge.study.setups import BASIC, FURTHER
 
     known = {one.name: one for one in BASIC + FURTHER if one.trained_on and not (one.rows or one.seeds)}
     if name not in known:
@@ -108,7 +124,7 @@ def policy(path: Path) -> "Policy":
     Raises:
         BadFile: it cannot be read, or was not trained for this vehicle.
     """
-    from fledge.policy import Contract
+    from fledge.learning.policy import Contract
     from fledge.storage import read_policy
 
     policy = read_policy(path)
@@ -134,6 +150,18 @@ def arena(name: str) -> "Arena":
     if path.suffix != ".toml" and not path.is_file():
         raise UnknownName("arena", name, [*ARENAS, "FILE.toml"])
     return read_arena(path)
+
+
+def contract_file(name: str) -> Path:
+    """The file of the contract of that name, or else the file itself.
+
+    Raises:
+        UnknownName: there is neither.
+    """
+    path = CONTRACTS.get(name, Path(name))
+    if path.suffix != ".toml" and not path.is_file():
+        raise UnknownName("contract", name, [*CONTRACTS, "FILE.toml"])
+    return path
 
 
 def find(folder: str, base: type, name: str, guest: Callable[[str], Any]) -> Any:

@@ -136,3 +136,12 @@ class StickScale:
             self.vertical * clip(action.up, -1.0, 1.0),
             self.turn * clip(action.turn, -1.0, 1.0),
         )
+
+    def action(self, command: VelocityCommand) -> Action:
+        """The sticks that ask for a velocity; at their stop for one that none can ask for."""
+        return Action(
+            clip(command.forward / self.horizontal, -1.0, 1.0),
+            clip(command.left / self.horizontal, -1.0, 1.0),
+            clip(command.up / self.vertical, -1.0, 1.0),
+            clip(command.turn / self.turn, -1.0, 1.0),
+        )

@@ -36,21 +36,21 @@ def _plain(*values: Scalar) -> bool:
 
 def sqrt(x: Scalar) -> Scalar:
     """Square root; NaN below zero."""
-    if _plain(x):
+    if type(x) is float or _plain(x):
         return math.sqrt(x) if x >= 0 else math.nan
     return _namespace(x).sqrt(x)
 
 
 def sin(x: Scalar) -> Scalar:
     """Sine of an angle [rad]; NaN for an infinite one."""
-    if _plain(x):
+    if type(x) is float or _plain(x):
         return math.sin(x) if math.isfinite(x) else math.nan
     return _namespace(x).sin(x)
 
 
 def cos(x: Scalar) -> Scalar:
     """Cosine of an angle [rad]; NaN for an infinite one."""
-    if _plain(x):
+    if type(x) is float or _plain(x):
         return math.cos(x) if math.isfinite(x) else math.nan
     return _namespace(x).cos(x)
 
@@ -58,17 +58,17 @@ def cos(x: Scalar) -> Scalar:
 def asin(x: Scalar) -> Scalar:
     """Arc sine [rad] of `x` clipped to [-1, 1]: rounding must not make an angle undefined."""
     x = clip(x, -1.0, 1.0)
-    return math.asin(x) if _plain(x) else _namespace(x).arcsin(x)
+    return math.asin(x) if type(x) is float or _plain(x) else _namespace(x).arcsin(x)
 
 
 def atan2(y: Scalar, x: Scalar) -> Scalar:
     """Angle [rad] of the vector (x, y), in (-pi, pi]."""
-    return math.atan2(y, x) if _plain(y, x) else _namespace(y, x).arctan2(y, x)
+    return math.atan2(y, x) if type(y) is type(x) is float or _plain(y, x) else _namespace(y, x).arctan2(y, x)
 
 
 def exp(x: Scalar) -> Scalar:
     """Exponential; infinity where it overflows."""
-    if _plain(x):
+    if type(x) is float or _plain(x):
         return math.exp(x) if not x > 709.782712893384 else math.inf
     return _namespace(x).exp(x)
 
@@ -104,7 +104,7 @@ def clip(x: Scalar, low: Scalar, high: Scalar) -> Scalar:
 
 def isfinite(x: Scalar) -> Scalar:
     """Whether a number is neither NaN nor infinite."""
-    return math.isfinite(x) if _plain(x) else _namespace(x).isfinite(x)
+    return math.isfinite(x) if type(x) is float or _plain(x) else _namespace(x).isfinite(x)
 
 
 def negate(condition: Scalar) -> Scalar:

@@ -12,12 +12,13 @@ import numpy as np
 import pytest
 
 from fledge.conditions import NORMALS, UNIFORMS, Conditions, row_noise
+from fledge.engines import COMPILED, PLAIN, stack_cases
 from fledge.manoeuvres import Combined
 from fledge.manoeuvres.base import FormationTrack
 from fledge.observation import ACTION_NAMES
 from fledge.pilots import HumanModel, Servo
 from fledge.pilots.human_model import STICK_STEPS
-from fledge.simulation import COMPILED, PLAIN, STEP, Case, Crew, Rig, fly_row, rollout, stack_cases, start
+from fledge.simulation import STEP, Case, Crew, Rig, fly_row, rollout, start
 
 ROWS = 1200
 """60 s."""
@@ -61,7 +62,7 @@ def flights(request):
             ),
             compiler_options=QUICKLY,
         )
-        flown = fly(stack_cases([NOMINAL, PERFECT]), chance(ROWS))
+        flown = fly(stack_cases([NOMINAL, PERFECT], boxes=2), chance(ROWS))
         assert flown.world.t.dtype == np.float64
         return crew, jax.tree.map(np.asarray, flown)
 

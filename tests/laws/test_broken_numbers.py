@@ -6,7 +6,7 @@ from math import inf, nan
 import pytest
 from scripted import WAYS, Says, auto
 
-from fledge.modes import Mode as M
+from fledge.supervision.modes import Mode as M
 from fledge.world import VelocityCommand
 
 

@@ -14,6 +14,7 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from fledge.geometry import Box, Heading, Quat, Vec3
+from fledge.pytrees import pytree, stack
 from fledge.safety import (
     NETS,
     AbstractNet,
@@ -25,7 +26,6 @@ from fledge.safety import (
     RepairedPaperNet,
     StopTube,
 )
-from fledge.simulation import pytree, stack
 from fledge.world import (
     Arena,
     Commands,

@@ -6,8 +6,8 @@ from math import inf, nan
 import pytest
 from scripted import BROKEN, ESCAPE, HUMAN, TOO_FAST, WAYS, WISH, Flight, auto
 
-from fledge.inputs import HOVER
-from fledge.modes import Mode as M
+from fledge.supervision.inputs import HOVER
+from fledge.supervision.modes import Mode as M
 from fledge.world import Reason as R
 from fledge.world import VelocityCommand
 

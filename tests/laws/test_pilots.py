@@ -11,10 +11,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fledge.conditions import Conditions
+from fledge.engines import fly_plain
 from fledge.manoeuvres import Combined, FixedAltitude
 from fledge.observation import ACTION_NAMES, OBSERVATION_NAMES, Axes, Observation
-from fledge.pilots import PILOTS
-from fledge.simulation import Case, Crew, fly_plain
+from fledge.pilots import FOLLOWERS, PILOTS
+from fledge.simulation import Case, Crew
 
 EVERY_PILOT = pytest.mark.parametrize("pilot", PILOTS, ids=lambda pilot: pilot.name)
 
@@ -116,7 +117,7 @@ def test_in_flight_the_axes_not_in_use_stay_at_zero(pilot, axes):
             np.testing.assert_array_equal(getattr(episode.proposed.uav, name), 0.0)
 
 
-@EVERY_PILOT
+@pytest.mark.parametrize("pilot", FOLLOWERS, ids=lambda pilot: pilot.name)
 def test_on_a_calm_day_it_keeps_the_ugvs_in_view(pilot):
     manoeuvre = FixedAltitude()
     case = Case(manoeuvre.plan(np.random.default_rng(2), 240), Conditions())

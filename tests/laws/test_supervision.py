@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from fledge.geometry import Quat, Vec3
-from fledge.inputs import Inputs, Operator
-from fledge.modes import Mode
+from fledge.pytrees import stack
 from fledge.safety import NoNet
-from fledge.simulation import stack
-from fledge.supervisor import Supervisor
+from fledge.supervision.inputs import Inputs, Operator
+from fledge.supervision.modes import Mode
+from fledge.supervision.supervisor import Supervisor
 from fledge.world import Arena, Commands, Reason, UavState, UgvState, VelocityCommand, WorldState
 
 pytestmark = pytest.mark.slow

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from scripted import NET, TOO_FAST, WAYS, WISH
 
-from fledge.modes import TABLE, Row, Trigger, advance
-from fledge.modes import Mode as M
-from fledge.supervisor import Supervisor
+from fledge.supervision.modes import TABLE, Row, Trigger, advance
+from fledge.supervision.modes import Mode as M
+from fledge.supervision.supervisor import Supervisor
 
 GRABBED = {"deflection": 0.6}
 WELL = {"wish": WISH}
@@ -135,7 +135,7 @@ def flights() -> tuple[list[tuple[M, ...]], Visits]:
         rows.append((len(paths), now[0], *(triggers[trigger] for trigger in Trigger)))
         return advance(table, now, triggers, alarm)
 
-    with patch("fledge.supervisor.advance", watched):
+    with patch("fledge.supervision.supervisor.advance", watched):
         for cell in CELLS:
             paths.append(flown(TABLE, *cell))
     cell, mode, *triggers = np.array(rows, dtype=float).T

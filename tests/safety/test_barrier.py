@@ -6,9 +6,11 @@ from aloft import HALL, HOVER, always, fly, world
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fledge.safety import Barrier
+from fledge.dynamics import P3_DX
+from fledge.geometry import Box
+from fledge.safety import Barrier, UgvStop
 from fledge.safety.barrier import HalfPlane, nearest
-from fledge.world import Commands, VelocityCommand
+from fledge.world import Arena, Commands, VelocityCommand
 
 ANGLES, BOUNDS = st.floats(0.0, 2.0 * np.pi), st.floats(-1.0, 0.2)
 PLANES = st.lists(st.tuples(ANGLES, BOUNDS), min_size=1, max_size=3)
@@ -55,3 +57,25 @@ def test_the_change_is_the_smallest():
     sent = verdicts[0].command
     assert 0.0 < sent.forward < 1.0
     assert (sent.left, sent.up) == pytest.approx((0.3, 0.1))
+
+
+def test_where_the_barriers_contradict_each_other_it_brakes():
+    """Between two walls 0.6 m apart each wants the UAV to leave it: nothing does, nor does the way along."""
+    gap = Arena(Box(-0.3, 0.3, -5.0, 5.0), 6.0)
+    start, along = world((0.0, 0.0, 3.0)), VelocityCommand(0.0, 0.5, 0.0, 0.0)
+    _, verdicts = Barrier().filter(Barrier().init(gap, start), start, Commands(along, (HOVER,) * 3))
+    assert verdicts[0].intervened and verdicts[0].command.left == 0.0
+
+
+def test_the_speed_of_a_ugv_uses_up_the_room_but_for_a_reserve():
+    net, stop = Barrier(), UgvStop.of(P3_DX)
+    braking = stop.acceleration - net.contract.disturbance
+    assert net._speed(net.reserve, 1.0, stop) == 0.0
+    for room in (0.2, 1.0):
+        for share in (1.0, 0.4):
+            v = net._speed(room, share, stop)
+            assert share * (v * stop.hold_over + v * v / (2.0 * braking) + net.reserve) == pytest.approx(room)
+
+
+def test_a_face_that_a_ugv_does_not_go_to_does_not_slow_it_down():
+    assert Barrier()._speed(0.0, 0.0, UgvStop.of(P3_DX)) >= P3_DX.max_speed

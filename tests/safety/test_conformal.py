@@ -8,9 +8,9 @@ from scipy import stats
 
 from fledge.dynamics import REAL_AR_DRONE
 from fledge.errors import FledgeError, OutOfRange
-from fledge.overruns import fly_stops
 from fledge.safety import Conformal, Overruns, StopTube
 from fledge.safety.conformal import AR_DRONE
+from fledge.study.overruns import fly_stops
 
 
 @pytest.mark.parametrize(

@@ -4,9 +4,10 @@ import math
 
 import pytest
 
+from fledge.engines import PLAIN
 from fledge.geometry import Box, Quat, Vec3
 from fledge.safety import PaperNet
-from fledge.simulation import PLAIN, TICK, Rig, fly_tick
+from fledge.simulation import TICK, Rig, fly_tick
 from fledge.world import (
     Arena,
     Commands,

@@ -9,7 +9,7 @@ from aloft import HALL, SPREAD, world
 from fledge.dynamics import P3_DX
 from fledge.geometry import Box, Heading, Vec3
 from fledge.safety import Contract, UavStop, UgvStop
-from fledge.safety.tube import Sent, UgvTube, side_of_box, uav_faces, uav_tube, ugv_faces, ugv_tube
+from fledge.safety.tube import Sent, UgvTube, side_of_box, uav_faces, uav_tube, ugv_faces, ugv_tube, within
 from fledge.world import Obstacle, Reason, UgvState, VelocityCommand
 
 C, UAV, UGV = Contract(), UavStop(), UgvStop.of(P3_DX)
@@ -25,23 +25,27 @@ def sent(*commands: float) -> Sent:
     return line
 
 
+def pending(line: Sent, periods: float) -> tuple[float, float]:
+    return line.pending(within(periods, len(line.newest)), SHARE)
+
+
 def test_commands_on_their_way_count_for_as_long_as_they_will_last():
     line = sent(0.3, 0.2, 1.0)
-    assert line.pending(0.0, SHARE)[0] == 0.0
-    assert line.pending(1.0, SHARE)[0] == pytest.approx(1.0)
-    assert line.pending(2.5, SHARE)[0] == pytest.approx(1.0 + 0.2 + 0.15)
-    assert line.pending(99.0, SHARE)[0] == pytest.approx(1.5)
+    assert pending(line, 0.0)[0] == 0.0
+    assert pending(line, 1.0)[0] == pytest.approx(1.0)
+    assert pending(line, 2.5)[0] == pytest.approx(1.0 + 0.2 + 0.15)
+    assert pending(line, 99.0)[0] == pytest.approx(1.5)
 
 
 def test_a_filter_follows_what_has_acted_already():
     steady = sent(*[0.8] * 200)
-    assert steady.pending(10.0, SHARE)[1] == pytest.approx(0.8, abs=0.01)
-    assert sent(*[0.0] * 50, *[1.0] * 3).pending(3.0, SHARE)[1] == 0.0
+    assert pending(steady, 10.0)[1] == pytest.approx(0.8, abs=0.01)
+    assert pending(sent(*[0.0] * 50, *[1.0] * 3), 3.0)[1] == 0.0
 
 
 def test_a_filter_remembers_beyond_its_line():
     line = sent(1.0, *[0.0] * 12)
-    assert 0.0 < line.pending(0.0, SHARE)[1] < SHARE
+    assert 0.0 < pending(line, 0.0)[1] < SHARE
 
 
 def test_largest_is_over_the_whole_delay():
@@ -75,6 +79,53 @@ def test_a_ugv_that_stands_is_told_apart_from_one_that_goes_on():
         0.4 * UGV.hold_over + (0.4**2 - 0.1**2) / (2 * braking), abs=1e-6
     )
     assert go.astern == stop.astern
+
+
+def test_a_uav_that_turns_misses_by_more():
+    still, spinning = (uav_tube(C, UAV, world().uav, (NOTHING,) * 3, spin, 0.0) for spin in (0.0, 1.0))
+    assert spinning.error - still.error == pytest.approx(UAV.spin)
+
+
+@pytest.mark.parametrize("way", (1.0, -1.0))
+def test_the_way_of_a_ugv_is_reaction_and_braking_by_the_contract(way):
+    """Seen 40 ms ago at 0.5 m/s, forwards or in reverse, and told to stop."""
+    ugv, age = UgvState(0.0, 0.0, 0.0, way * 0.5, 0.0, 0.0), 0.04
+    tube = ugv_tube(C, UGV, ugv, sent(*[way * 0.5] * 20), age, 0.0, 0.0)
+    v = 0.5 + C.velocity_error
+    reaction = v * (age + C.latency + C.period)
+    ahead, astern = (tube.ahead, tube.astern) if way > 0.0 else (tube.astern, tube.ahead)
+    assert ahead == pytest.approx(reaction + v * v / (2.0 * (UGV.acceleration - C.disturbance)))
+    assert astern == 0.0
+
+
+@pytest.mark.parametrize("way", (1.0, -1.0))
+def test_a_ugv_may_still_chase_what_it_was_told_before(way):
+    ugv = UgvState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    chasing = ugv_tube(C, UGV, ugv, sent(way * 0.6, 0.0), 0.0, 0.0, 0.0)
+    resting = ugv_tube(C, UGV, ugv, NOTHING, 0.0, 0.0, 0.0)
+    gained = C.velocity_error + UGV.acceleration * (C.latency + C.period)
+    further = [(one.ahead, one.astern)[way < 0.0] for one in (chasing, resting)]
+    braking = 2.0 * (UGV.acceleration - C.disturbance)
+    expected = [v * (C.latency + C.period) + v * v / braking for v in (gained, C.velocity_error)]
+    assert further == pytest.approx(expected)
+
+
+def test_a_nose_swings_as_long_as_its_turning_takes_to_die_down():
+    """Seen turning at 0.5 rad/s, told to turn on at 0.4."""
+    ugv, reaction = UgvState(0.0, 0.0, 0.0, 0.0, 0.5, 0.0), C.latency + C.period
+    tube = ugv_tube(C, UGV, ugv, NOTHING, 0.0, 0.0, 0.4)
+    turning = 0.5 + C.rate_error + UGV.turn_acceleration * reaction
+    swing = turning * (reaction + turning / (2.0 * UGV.turn_acceleration)) + 0.4 * UGV.hold_over
+    assert tube.swing == pytest.approx(swing + C.angle_error)
+
+
+def test_another_ugv_is_as_near_as_its_own_stop_may_bring_it():
+    me, other = UgvState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), UgvState(3.0, 0.0, pi, 0.3, 0.0, 0.0)
+    uav = (UAV, world().uav, uav_tube(C, UAV, world().uav, (NOTHING,) * 3, 0.0, 0.0))
+    towards = ugv_tube(C, UGV, other, NOTHING, 0.0, 0.0, 0.0)
+    *_, face, _ = ugv_faces(C, UGV, HALL, me, ((UGV, other, towards),), uav)
+    assert face.gap == pytest.approx(3.0 - 2.0 * UGV.radius)
+    assert face.room == pytest.approx(face.gap - 2.0 * C.position_error - towards.ahead)
 
 
 def test_a_ugv_goes_along_its_nose_as_far_as_it_may_turn():

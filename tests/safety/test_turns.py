@@ -1,15 +1,18 @@
 """The stop-tube nets in flight: what each of them must do, in plain Python."""
 
-from dataclasses import replace
-from math import hypot, inf, nan
+from dataclasses import dataclass, replace
+from math import hypot, inf, isfinite, nan, pi
 
+import jax
 import numpy as np
 import pytest
 from aloft import HALL, HOVER, SPREAD, STILL, always, fly, world
 
-from fledge.geometry import Box, Vec3
+from fledge.geometry import Box, Quat, Vec3
+from fledge.pytrees import register
 from fledge.safety import Barrier, StopTube
-from fledge.world import Commands, Obstacle, Reason, VelocityCommand
+from fledge.safety.turns import UavTurn, UgvTurn, in_turn
+from fledge.world import Commands, Obstacle, Reason, UavState, UgvState, VelocityCommand, WorldState
 
 BOTH = pytest.mark.parametrize("net", (StopTube(), Barrier()), ids=lambda net: type(net).__name__)
 EAST = VelocityCommand(1.0, 0.0, 0.0, 0.0)
@@ -116,6 +119,24 @@ def test_a_ugv_stops_before_walls_boxes_and_its_like(net):
 
 
 @BOTH
+@pytest.mark.parametrize("speed", (1.2, -1.0))
+@pytest.mark.parametrize("then", (0.0, -0.1, 0.1))
+@pytest.mark.parametrize("gap", (0.12, 0.17, 0.22))
+def test_a_ugv_beside_a_wall_does_not_swing_what_is_left_of_its_speed_into_it(net, speed, then, gap):
+    beside = UgvState(-2.0 * speed, 5.0 - net.ugvs[1].radius - gap, 0.0, speed, 0.0, 0.0)
+    start = world(ugvs=(SPREAD[0], (0.0, 0.0, 0.0), (2.0, -2.0, 0.0)))
+    start = replace(start, ugvs=(start.ugvs[0], beside, start.ugvs[2]))
+    along, turning = (VelocityCommand(v, 0.0, 0.0, w) for v, w in ((speed, 0.0), (then * speed, 2.0)))
+    turning = replace(turning, turn=2.0 if speed > 0.0 else -2.0)
+
+    def policy(w):
+        return Commands(HOVER, (HOVER, along if w.t < 0.2 else turning, HOVER))
+
+    log = fly(net, start, policy, 4.0)
+    assert log.least[2] > 0.0
+
+
+@BOTH
 def test_two_ugvs_do_not_meet_and_both_can_part_again(net):
     ugvs = ((-1.5, 0.0, 0.0), (1.5, 0.0, 3.14159), (0.0, 3.5, 0.0))
     both = Commands(HOVER, (AHEAD, AHEAD, HOVER))
@@ -133,6 +154,20 @@ def test_a_ugv_does_not_drive_under_a_uav_that_comes_down(net):
     down = VelocityCommand(0.0, 0.0, -0.5, 0.0)
     log = fly(net, world((0.0, 0.0, 1.0), ugvs), always(down, AHEAD), 6.0)
     assert min(log.least) > 0.0
+
+
+@BOTH
+def test_a_ugv_does_not_drive_under_a_uav_that_nobody_sees(net):
+    """It may be landing; away from below it leads out."""
+    ugvs = ((-1.0, 0.0, 0.0), *SPREAD[1:])
+    forth = VelocityCommand(0.3, 0.0, 0.0, 0.0)
+    for age, passes in ((0.04, True), (0.4, False)):
+        seen = world((0.0, 0.0, 3.0), ugvs, t=5.0)
+        seen = replace(seen, uav=replace(seen.uav, stamp=5.0 - age))
+        _, verdicts = net.filter(net.init(HALL, seen), seen, Commands(HOVER, (forth, HOVER, HOVER)))
+        assert (verdicts[1].command == forth) == passes
+        _, verdicts = net.filter(net.init(HALL, seen), seen, Commands(HOVER, (BACK, HOVER, HOVER)))
+        assert verdicts[1].command == BACK
 
 
 @BOTH
@@ -168,3 +203,149 @@ def test_commands_beyond_the_sticks_are_held_to_them(net):
         net.init(HALL, start), start, Commands(VelocityCommand(9.0, 0.0, 0.0, 0.0), (HOVER,) * 3)
     )
     assert verdicts[0].command.forward == net.uav.most and verdicts[0].intervened
+
+
+@BOTH
+def test_a_command_that_leads_a_ugv_out_of_where_there_is_no_room_passes_at_once(net):
+    radius = net.ugvs[0].radius
+    start = world(ugvs=((5.0 - radius - 0.01, 0.0, 0.0), *SPREAD[1:]))
+    _, verdicts = net.filter(net.init(HALL, start), start, Commands(HOVER, (BACK, HOVER, HOVER)))
+    assert verdicts[1].command == BACK
+    _, verdicts = net.filter(net.init(HALL, start), start, Commands(HOVER, (AHEAD, HOVER, HOVER)))
+    assert verdicts[1].command.forward == 0.0
+
+
+@BOTH
+def test_a_ugv_that_stands_where_there_is_no_room_may_turn(net):
+    start = world(ugvs=((5.0 - net.ugvs[0].radius - 0.01, 0.0, 0.0), *SPREAD[1:]))
+    turn = VelocityCommand(0.0, 0.0, 0.0, 1.0)
+    _, verdicts = net.filter(net.init(HALL, start), start, Commands(HOVER, (turn, HOVER, HOVER)))
+    assert verdicts[1].command.turn == 1.0
+
+
+@BOTH
+def test_a_ugv_stops_in_reverse_as_well(net):
+    start = ((-3.0, 0.0, 0.0), *SPREAD[1:])
+    log = fly(net, world(ugvs=start), always(ugv=VelocityCommand(-0.8, 0.0, 0.0, 0.0)), 6.0)
+    assert 0.0 < log.least[1] < 1.6
+    assert abs(log.last.ugvs[0].speed) < 0.02
+
+
+@BOTH
+def test_a_ugv_that_is_stopped_at_speed_is_not_turned(net):
+    """A turn would lead its stop elsewhere."""
+    start = world(ugvs=((5.0 - net.ugvs[0].radius - 0.1, 0.0, 0.0), *SPREAD[1:]))
+    fast = replace(start, ugvs=(replace(start.ugvs[0], speed=0.6), *start.ugvs[1:]))
+    told = VelocityCommand(0.6, 0.0, 0.0, nan if isinstance(net, Barrier) else 1.0)
+    _, verdicts = net.filter(net.init(HALL, fast), fast, Commands(HOVER, (told, HOVER, HOVER)))
+    assert (verdicts[1].command.forward, verdicts[1].command.turn) == (0.0, 0.0)
+
+
+def refused(distance: float, told: Commands, height: float = 3.0) -> list[bool]:
+    """Whether two UGVs, nose to nose so far apart [m], are refused what they are told; the UAV is behind the second."""
+    net, x = StopTube(), 0.5 * distance
+    ugvs = ((-x, 0.0, 0.0), (x, 0.0, pi), (0.0, 4.0, 0.0))
+    start = world((2.0, 0.0, height), ugvs)
+    _, verdicts = net.filter(net.init(HALL, start), start, told)
+    return [bool(verdict.intervened) for verdict in verdicts[1:3]]
+
+
+def test_who_decides_later_makes_room_for_what_was_just_allowed():
+    """Somewhere there is room for one of them to set off, but not for both: the first has the right of way."""
+    slow = VelocityCommand(0.3, 0.0, 0.0, 0.0)
+    told = Commands(HOVER, (slow, slow, HOVER))
+    found = [refused(1.0 + 0.01 * i, told) for i in range(150)]
+    assert found[0] == [True, True] and found[-1] == [False, False]
+    assert [False, True] in found and [True, False] not in found
+
+
+def test_a_ugv_makes_room_for_what_the_uav_was_just_allowed():
+    """The UAV goes on with it for as long as its own watchdog lets it."""
+    net = StopTube()
+
+    def nearest(uav: VelocityCommand) -> float:
+        """At which distance from a low UAV that comes towards it a UGV may set off [m]."""
+        for i in range(400):
+            ugvs = ((-0.8 - 0.005 * i, 0.0, 0.0), *SPREAD[1:])
+            start = world((0.0, 0.0, 0.33), ugvs)
+            told = Commands(uav, (VelocityCommand(0.2, 0.0, 0.0, 0.0), HOVER, HOVER))
+            _, verdicts = net.filter(net.init(HALL, start), start, told)
+            if not verdicts[1].intervened and not verdicts[0].intervened:
+                return 0.8 + 0.005 * i
+        raise AssertionError
+
+    towards = nearest(VelocityCommand(-1.0, 0.0, 0.0, 0.0)) - nearest(HOVER)
+    assert towards == pytest.approx(net.uav.hold_over, abs=0.006)
+
+
+@BOTH
+def test_where_there_is_no_room_a_uav_holds_on_at_speed(net):
+    """It does not wait until it is slow: the point it holds moves out at once."""
+    start = world((4.72, 0.0, 3.0), velocity=Vec3(0.5, 0.0, 0.0))
+    _, verdicts = net.filter(net.init(HALL, start), start, Commands(EAST, STILL.ugvs))
+    assert verdicts[0].command.forward < 0.0
+
+
+@BOTH
+def test_a_turn_is_remembered_until_its_lags_are_over(net):
+    memory = net.init(HALL, world())
+    spin = []
+    for tick in range(60):
+        turn = VelocityCommand(0.0, 0.0, 0.0, 1.0 if tick == 0 else 0.0)
+        memory, _ = net.filter(memory, world(t=0.01 * tick), Commands(turn, STILL.ugvs))
+        spin.append(memory.uav.spin)
+    assert spin[0] == 1.0 and spin == sorted(spin, reverse=True)
+    assert spin[10] > 0.75 and spin[-1] < 0.4
+
+
+@dataclass(frozen=True)
+class Reckless(StopTube):
+    """A stranger's net: lets pass whatever it may, or says what it was made with."""
+
+    chooses: float | None = None
+
+    def decide_uav(self, turn: UavTurn) -> tuple[bool, Vec3]:
+        return turn.known, turn.wanted if self.chooses is None else Vec3(self.chooses, 0.0, 0.0)
+
+    def decide_ugv(self, stop: object, turn: UgvTurn) -> tuple[bool, float]:
+        known = True if self.chooses is not None and self.chooses != self.chooses else turn.known
+        return known, turn.forward if self.chooses is None else self.chooses
+
+
+def broken(record: UavState | UgvState | VelocityCommand) -> list[UavState | UgvState | VelocityCommand]:
+    """The record with NaN in one of its numbers, for each of them but the stamp."""
+    register(record)
+    leaves, shape = jax.tree.flatten(record)
+    spoilt = [
+        jax.tree.unflatten(shape, [nan if j == i else x for j, x in enumerate(leaves)])
+        for i in range(len(leaves))
+    ]
+    return spoilt[:-1] if hasattr(record, "stamp") else spoilt
+
+
+def test_nobody_is_asked_about_what_is_no_number():
+    net, go = Reckless(), VelocityCommand(0.3, 0.0, 0.0, 0.1)
+    start, told = world(), Commands(go, (go,) * 3)
+
+    def sent(seen: WorldState, told: Commands) -> list[VelocityCommand]:
+        return [verdict.command for verdict in in_turn(net, net.init(HALL, start), seen, told)[1]]
+
+    assert sent(start, told) == [go] * 4
+    for uav in broken(start.uav):
+        assert sent(replace(start, uav=uav), told)[0] == HOVER
+    for ugv in broken(start.ugvs[0]):
+        assert sent(replace(start, ugvs=(ugv, *start.ugvs[1:])), told)[1].forward == 0.0
+    for command in broken(go):
+        assert sent(start, replace(told, uav=command))[0] == HOVER
+    for command in (replace(go, forward=nan), replace(go, turn=nan)):
+        assert sent(start, replace(told, ugvs=(command, go, go)))[1].forward == 0.0
+
+
+@pytest.mark.parametrize("chosen", (9.0, nan))
+def test_nobody_is_sent_more_than_it_obeys_whatever_a_net_chooses(chosen):
+    net, start = Reckless(chooses=chosen), world()
+    turned = replace(start, uav=replace(start.uav, attitude=Quat.from_yaw(0.7)))
+    _, verdicts = in_turn(net, net.init(HALL, turned), turned, Commands(EAST, (AHEAD,) * 3))
+    uav, ugv = verdicts[0].command, verdicts[1].command
+    assert max(abs(uav.forward), abs(uav.left)) == pytest.approx(net.uav.most if isfinite(chosen) else 0.0)
+    assert isfinite(ugv.forward)

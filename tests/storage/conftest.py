@@ -8,12 +8,13 @@ import textwrap
 import pytest
 
 from fledge.camera import Lens
+from fledge.engines import fly_plain
 from fledge.episode import Flight
 from fledge.geometry import Box
 from fledge.manoeuvres import FixedAltitude
 from fledge.observation import StickScale
 from fledge.pilots import Servo
-from fledge.simulation import Case, Crew, fly_plain
+from fledge.simulation import Case, Crew
 from fledge.world import Arena, Obstacle
 
 

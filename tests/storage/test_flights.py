@@ -9,12 +9,13 @@ import pytest
 from mcap.reader import make_reader
 from mcap.writer import IndexType, Writer
 
+from fledge.engines import fly
 from fledge.episode import Flight
 from fledge.errors import BadFile, FledgeError
 from fledge.manoeuvres import FixedAltitude
 from fledge.pilots import Servo
-from fledge.simulation import Case, Crew, fly
-from fledge.storage import FlightLog, list_flights, read_flight, write_flight
+from fledge.simulation import Case, Crew
+from fledge.storage import FlightLog, list_flights, read_flight, recover_flight, write_flight
 from fledge.world import Arena
 
 
@@ -140,6 +141,27 @@ def test_a_log_that_ends_in_an_error_is_kept(tmp_path, flight):
         log.add(flight.episode)
         raise RuntimeError("the vehicle is in a tree")
     assert same(read_flight(tmp_path / "a.mcap"), flight)
+
+
+def test_of_a_log_cut_short_what_is_whole_is_recovered(tmp_path, flight):
+    path, ends = tmp_path / "a.mcap", []
+    with open(path, "wb") as file, FlightLog(file, flight) as log:
+        for i in range(flight.rows):
+            log.add(jax.tree.map(lambda leaf, i=i: float(leaf[i]), flight.episode))
+            log.writer.flush()
+            ends.append(file.tell())
+    whole = path.read_bytes()
+    assert same(recover_flight(path), flight)
+    for rows, (end, after) in enumerate(zip(ends, ends[1:], strict=False), start=1):
+        for cut in (end, (end + after) // 2):
+            path.write_bytes(whole[:cut])
+            assert same(recover_flight(path), with_leaves(flight, lambda leaf, rows=rows: leaf[:rows]))
+            with pytest.raises(BadFile, match="cut short"):
+                read_flight(path)
+    for data in (b"", whole[:100], whole[: ends[0] // 2], b"not a flight"):
+        path.write_bytes(data)
+        with pytest.raises(BadFile):
+            recover_flight(path)
 
 
 def test_unfit_episodes_are_refused_and_leave_no_file(tmp_path, flight):

@@ -12,7 +12,7 @@ from onnx import TensorProto, helper
 
 from fledge.camera import Lens
 from fledge.errors import BadFile, FledgeError
-from fledge.policy import Contract, Policy
+from fledge.learning.policy import Contract, Policy
 from fledge.storage import read_policy, write_policy
 from fledge.storage.records import to_json
 

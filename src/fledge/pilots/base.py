@@ -22,6 +22,8 @@ class AbstractPilot(ABC):
 
     name: str
     """What the command line and the files call it."""
+    restless = False
+    """Whether it flies to see how vehicles stop; UGVs that are ours then stop every now and then, too."""
 
     def init(self) -> Any:
         """The memory at the start of a flight: numbers in tuples or records; `()` for none."""

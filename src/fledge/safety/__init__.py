@@ -1,7 +1,7 @@
 """Safety nets: what stands between a pilot and a vehicle. Add one: write one file."""
 
 from fledge.safety.barrier import Barrier
-from fledge.safety.base import AbstractNet
+from fledge.safety.base import AbstractNet, Halt
 from fledge.safety.conformal import Conformal, Overruns
 from fledge.safety.contract import Contract, UavStop, UgvStop
 from fledge.safety.none import NoNet
@@ -18,6 +18,7 @@ __all__ = [
     "Barrier",
     "Conformal",
     "Contract",
+    "Halt",
     "NoNet",
     "Overruns",
     "PaperNet",

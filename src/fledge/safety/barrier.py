@@ -19,8 +19,9 @@ from typing import NamedTuple
 
 from fledge.dynamics import UGV_FLEET
 from fledge.geometry import Vec3
-from fledge.safety.base import AbstractNet
+from fledge.safety.base import AbstractNet, Halt
 from fledge.safety.contract import Contract, UavStop, UgvStop
+from fledge.safety.halts import halts
 from fledge.safety.tube import FREE
 from fledge.safety.turns import RETREAT, Memory, UavTurn, UgvTurn, begin, in_turn, sent_instead
 from fledge.scalars import Scalar, clip, maximum, minimum, sqrt, where
@@ -69,6 +70,10 @@ class Barrier(AbstractNet):
         """What was really sent is what the next stop begins with."""
         return sent_instead(memory, world, instead)
 
+    def halts(self, memory: Memory, world: WorldState) -> tuple[Halt, ...]:
+        """By what it remembers having sent."""
+        return halts(self, memory, world)
+
     def decide_uav(self, turn: UavTurn) -> tuple[Scalar, Vec3]:
         """The nearest velocity that keeps every barrier."""
         c = turn.wanted
@@ -90,9 +95,9 @@ class Barrier(AbstractNet):
 
     def decide_ugv(self, stop: UgvStop, turn: UgvTurn) -> tuple[Scalar, Scalar]:
         """The nearest speed after which the UGV could still stop."""
-        fastest, slowest = stop.most, -stop.most
+        fastest, slowest, halt = stop.most, -stop.most, turn.way(0.0)
         for face, (forwards, backwards) in zip(turn.faces, turn.shares, strict=True):
-            room = maximum(face.room - turn.stop.along((forwards, backwards)), 0.0)
+            room = maximum(face.room - halt.along((forwards, backwards)), 0.0)
             fastest = minimum(fastest, self._speed(room, forwards, stop))
             slowest = maximum(slowest, -self._speed(room, backwards, stop))
         return turn.known, clip(turn.forward, slowest, fastest)

@@ -6,9 +6,21 @@ nothing above `dynamics`.
 """
 
 from abc import ABC, abstractmethod
-from typing import Any
+from typing import Any, NamedTuple
 
+from fledge.scalars import Scalar
 from fledge.world import Arena, Commands, Verdict, WorldState
+
+
+class Halt(NamedTuple):
+    """Where a vehicle would come to rest if it were told to stop now."""
+
+    x: Scalar
+    """[m]."""
+    y: Scalar
+    """[m]."""
+    miss: Scalar
+    """By how much the stop may miss that [m]."""
 
 
 class AbstractNet(ABC):
@@ -28,3 +40,7 @@ class AbstractNet(ABC):
     def overruled(self, memory: Any, world: WorldState, instead: Commands) -> Any:
         """The memory once something else was sent than the last verdicts; NaN wherever they were obeyed."""
         return memory
+
+    def halts(self, memory: Any, world: WorldState) -> tuple[Halt, ...]:
+        """Those of all vehicles, the UAV's first, for people to look at; none from a net that predicts none."""
+        return ()

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from fledge.errors import FledgeError, OutOfRange
-from fledge.safety.base import AbstractNet
+from fledge.safety.base import AbstractNet, Halt
 from fledge.safety.stop_tube import StopTube
 from fledge.world import Arena, Commands, Verdict, WorldState
 
@@ -85,3 +85,7 @@ class Conformal(AbstractNet):
     def overruled(self, memory: Any, world: WorldState, instead: Commands) -> Any:
         """As the stop tube remembers it."""
         return self.enlarged().overruled(memory, world, instead)
+
+    def halts(self, memory: Any, world: WorldState) -> tuple[Halt, ...]:
+        """As the stop tube predicts them."""
+        return self.enlarged().halts(memory, world)

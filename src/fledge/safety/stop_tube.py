@@ -16,8 +16,9 @@ from dataclasses import dataclass
 
 from fledge.dynamics import UGV_FLEET
 from fledge.geometry import Vec3
-from fledge.safety.base import AbstractNet
+from fledge.safety.base import AbstractNet, Halt
 from fledge.safety.contract import Contract, UavStop, UgvStop
+from fledge.safety.halts import halts
 from fledge.safety.tube import Face
 from fledge.safety.turns import Memory, UavTurn, UgvTurn, begin, in_turn, sent_instead
 from fledge.scalars import Scalar, maximum, minimum
@@ -60,8 +61,8 @@ class StopTube(AbstractNet):
     def decide_ugv(self, stop: UgvStop, turn: UgvTurn) -> tuple[Scalar, Scalar]:
         """The command as it is, if it leaves room before every face, or leads no nearer where there is none."""
         passes = turn.known
-        for face, (forwards, backwards) in zip(turn.faces, turn.shares, strict=True):
-            room = self._kept(face, face.room - turn.go.along((forwards, backwards)))
+        for face, (forwards, backwards), left in zip(turn.faces, turn.shares, turn.rooms, strict=True):
+            room = self._kept(face, left)
             nearer = maximum(turn.forward * forwards, -turn.forward * backwards)
             passes = passes & ((room >= 0.0) | (nearer <= 0.0))
         return passes, turn.forward
@@ -69,6 +70,10 @@ class StopTube(AbstractNet):
     def overruled(self, memory: Memory, world: WorldState, instead: Commands) -> Memory:
         """What was really sent is what the next stop begins with."""
         return sent_instead(memory, world, instead)
+
+    def halts(self, memory: Memory, world: WorldState) -> tuple[Halt, ...]:
+        """By what it remembers having sent."""
+        return halts(self, memory, world)
 
     def _kept(self, face: Face, room: Scalar) -> Scalar:
         return room if self.scale == 1.0 else face.gap - self.scale * (face.gap - room)

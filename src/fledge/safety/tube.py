@@ -124,13 +124,12 @@ class Sent(NamedTuple):
         """The newest command was this one."""
         return Sent((command, *self.newest[1:]), self.before)
 
-    def pending(self, periods: Scalar, share: float) -> tuple[Scalar, Scalar]:
-        """(the sum of the commands of the last so many periods; what the filter follows before them)."""
+    def pending(self, parts: list[Scalar], share: float) -> tuple[Scalar, Scalar]:
+        """(the sum of these parts of the newest commands; what the filter follows before them)."""
         coming, followed = 0.0, self.before
-        for k in range(len(self.newest) - 1, -1, -1):
-            part = clip(periods - k, 0.0, 1.0)
-            coming = coming + part * self.newest[k]
-            followed = followed + (self.newest[k] - followed) * (share * (1.0 - part))
+        for command, part in zip(reversed(self.newest), reversed(parts), strict=True):
+            coming = coming + part * command
+            followed = followed + (command - followed) * (share * (1.0 - part))
         return coming, followed
 
     def largest(self) -> tuple[Scalar, Scalar]:
@@ -139,6 +138,11 @@ class Sent(NamedTuple):
         for command in self.newest[1:]:
             low, high = minimum(low, command), maximum(high, command)
         return low, high
+
+
+def within(periods: Scalar, commands: int) -> list[Scalar]:
+    """Which part of each of the newest commands, the newest first, lies within the last so many periods."""
+    return [clip(periods - k, 0.0, 1.0) for k in range(commands)]
 
 
 def filter_share(contract: Contract, stop: UavStop) -> float:
@@ -164,7 +168,8 @@ def uav_tube(
     share = filter_share(contract, stop)
 
     def rest(periods: Scalar) -> Vec3:
-        (x, fx), (y, fy), (z, fz) = (axis.pending(periods, share) for axis in sent)
+        parts = within(periods, len(sent[0].newest))
+        (x, fx), (y, fy), (z, fz) = (axis.pending(parts, share) for axis in sent)
         follow_forward, follow_left = heading.from_world(fx, fy)
         dx, dy = heading.to_world(
             forward + stop.followed * follow_forward, left + stop.followed * follow_left

@@ -8,12 +8,15 @@ A net says what is sent to one vehicle, given its faces (`Deciding`); here is th
 holding that every decision can fall back on, and the verdict.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple, Protocol
 
 from fledge.geometry import Heading, Vec3
 from fledge.safety.contract import Contract, UavStop, UgvStop
 from fledge.safety.tube import (
+    FREE,
     Face,
     Sent,
     UavTube,
@@ -41,6 +44,8 @@ CALMING = 0.5
 """[s] in which a turn of the UAV stops to matter; a few of its lags."""
 LEAD = 0.2
 """[m] it may be ahead of the UAV."""
+STANDS = 0.1
+"""[m/s] up to which a UGV counts as standing; chosen, it then comes to rest within 2 cm."""
 
 
 class UavMemory(NamedTuple):
@@ -95,10 +100,10 @@ class UgvTurn(NamedTuple):
     """Their room does not count the UGV's own way yet."""
     shares: list[tuple[Scalar, Scalar]]
     """Which share of its way forwards, and in reverse, leads to each face."""
-    stop: UgvTube
-    """Its way if it is told to stop now, turning as proposed."""
-    go: UgvTube
-    """Its way if it obeys the proposal."""
+    rooms: list[Scalar]
+    """What the proposal leaves before each face [m]."""
+    way: Callable[[Scalar], UgvTube]
+    """Its way if it is told this speed [m/s], turning as proposed."""
 
 
 class Deciding(Protocol):
@@ -150,6 +155,9 @@ def in_turn(
     around = tuple(zip(net.ugvs, world.ugvs, commitments, strict=True))
     faces = uav_faces(net.contract, net.uav, memory.arena, world.uav, tube, around)
     uav, tube, verdict = _uav(net, memory.uav, world, commands.uav, tube, faces)
+    # A UAV that was not seen for long may have been told to land: nobody drives under it.
+    landing = where(age <= 2.0 * net.contract.age, 0.0 * age, -FREE)
+    tube = tube.moved(Vec3(0.0 * landing, 0.0 * landing, landing))
     remembered, verdicts = [], [verdict]
     for i, stop in enumerate(net.ugvs):
         others = [(net.ugvs[j], world.ugvs[j], commitments[j]) for j in range(len(net.ugvs)) if j != i]
@@ -204,7 +212,7 @@ def _uav(
     turn = clip(proposed.turn, -stop.most_turn, stop.most_turn)
     number = isfinite(wanted.x + wanted.y + wanted.z + turn)
     fresh = _fresh(net.contract, age)
-    tightest, gap = _tightest(faces)
+    tightest, gap = _tightest(faces, [face.room for face in faces])
     known = number & fresh & _whole(world.uav)
     passes, chosen = net.decide_uav(UavTurn(wanted, known, faces, heading))
     memory, held = _hold(net.contract, memory, world.uav, age, tube, tightest, passes)
@@ -281,11 +289,11 @@ def _hold(
 
 def _adrift(faces: list[Face], age: Scalar) -> Vec3:
     """What a UAV does whose pose is too old to hold by: it goes against whatever a push may be driving it into."""
-    away = Vec3(0.0 * age, 0.0 * age, 0.0 * age)
+    x = y = z = 0.0 * age
     for face in faces:
-        short = (face.room < DRIFT * age) & (age <= BLIND)
-        away = away + Vec3(face.x, face.y, face.z) * where(short, DRIFT, 0.0)
-    return Vec3(clip(away.x, -DRIFT, DRIFT), clip(away.y, -DRIFT, DRIFT), clip(away.z, -DRIFT, DRIFT))
+        push = where((face.room < DRIFT * age) & (age <= BLIND), DRIFT, 0.0)
+        x, y, z = x + face.x * push, y + face.y * push, z + face.z * push
+    return Vec3(clip(x, -DRIFT, DRIFT), clip(y, -DRIFT, DRIFT), clip(z, -DRIFT, DRIFT))
 
 
 def _commitment(net: Deciding, stop: UgvStop, ugv: UgvState, memory: UgvMemory, t: Scalar) -> UgvTube:
@@ -307,16 +315,17 @@ def _ugv(
     turn = clip(proposed.turn, -stop.most_turn, stop.most_turn)
     number, fresh = isfinite(forward + turn), _fresh(net.contract, age)
     known = number & fresh & isfinite(ugv.x + ugv.y + ugv.heading + ugv.speed + ugv.turn_rate)
-    halt = ugv_tube(net.contract, stop, ugv, memory.sent, age, 0.0, turn)
-    go = ugv_tube(net.contract, stop, ugv, memory.sent, age, forward, turn)
+    # Its hull is a disc: as long as it stands it may turn. One that moves may swing its way into something.
+    stands = number & (abs(ugv.speed) <= STANDS)
+    way = partial(ugv_tube, net.contract, stop, ugv, memory.sent, age)
+    turn = where(stands | _clears(faces, way(0.0, turn)), turn, 0.0 * turn)
+    way = partial(way, turn=turn)
+    go = way(forward)
     # It turns as far whether it stops or goes.
     shares = [go.shares(-face.x, -face.y) for face in faces]
-    tightest, gap = _tightest([
-        face._replace(room=face.room - go.along(share)) for face, share in zip(faces, shares, strict=True)
-    ])
-    passes, chosen = net.decide_ugv(stop, UgvTurn(forward, turn, known, faces, shares, halt, go))
-    # Its hull is a disc: as long as it stands it may turn.
-    stands = number & (abs(ugv.speed) <= net.contract.velocity_error)
+    rooms = [face.room - go.along(share) for face, share in zip(faces, shares, strict=True)]
+    tightest, gap = _tightest(faces, rooms)
+    passes, chosen = net.decide_ugv(stop, UgvTurn(forward, turn, known, faces, shares, rooms, way))
     zero = 0.0 * memory.turn
     passes = passes & isfinite(chosen)
     speed = where(passes, chosen, zero)
@@ -328,11 +337,21 @@ def _ugv(
     return UgvMemory(memory.sent.then(speed, 1.0), turning), verdict
 
 
-def _tightest(faces: list[Face]) -> tuple[Face, Scalar]:
+def _clears(faces: list[Face], halt: UgvTube) -> Scalar:
+    """Whether a stop leaves room before every face."""
+    clears = True
+    for face in faces:
+        clears = clears & (face.room - halt.along(halt.shares(-face.x, -face.y)) >= 0.0)
+    return clears
+
+
+def _tightest(faces: list[Face], rooms: list[Scalar]) -> tuple[Face, Scalar]:
     """(the face with least room, NaN being least; the smallest gap)."""
-    tightest, gap = faces[0], faces[0].gap
-    for face in faces[1:]:
-        tightest, gap = where(tightest.room <= face.room, tightest, face), minimum(gap, face.gap)
+    tightest, least, gap = faces[0], rooms[0], faces[0].gap
+    for face, room in zip(faces[1:], rooms[1:], strict=True):
+        still = least <= room
+        tightest, least = where(still, tightest, face), where(still, least, room)
+        gap = minimum(gap, face.gap)
     return tightest, gap
 
 

@@ -12,12 +12,14 @@ back bit for bit (but that a NaN is like any other). A file's time is the row's 
 flight began, and never the clock's: same flight, same bytes.
 
 What is known beforehand stands at the start and what is only known afterwards at the end, so a flight can be
-written while it is flown (`FlightLog`). A file without its end is refused here; MCAP's own tools recover it.
+written while it is flown (`FlightLog`). A file without its end is refused by `read_flight`; what of it is whole
+`recover_flight` reads.
 """
 
 import json
 import os
-from collections.abc import Container
+from collections.abc import Container, Iterable, Iterator
+from contextlib import suppress
 from dataclasses import fields
 from pathlib import Path
 from types import TracebackType
@@ -97,6 +99,44 @@ def read_flight(path: AnyPath) -> Flight:
         return from_tree(Flight, {"episode": _rows(messages), **known}, leaf)
 
 
+def read_facts(path: AnyPath) -> dict[str, Any]:
+    """What a stored flight was, and how many `rows` it has, as JSON values; by the file's index, so it is quick.
+
+    Raises:
+        BadFile: missing, truncated, foreign, or of another format version.
+    """
+    with reading(path, "a flight"), open(path, "rb") as file:
+        _check_ends(file)
+        metadata = {one.name: one.metadata for one in make_reader(file).iter_metadata()}
+        _check_facts(metadata)
+        known = _checked_facts(metadata) | {"rows": metadata[END]["rows"]}
+        return {name: json.loads(text) for name, text in known.items() if name != "format"}
+
+
+def recover_flight(path: AnyPath) -> Flight:
+    """The flight in a file that was cut short, as far as it was written; every float is then a double.
+
+    Raises:
+        BadFile: missing, foreign, or no row of it is whole.
+    """
+    with reading(path, "a flight"), open(path, "rb") as file:
+        metadata, messages = _whole_records(file)
+        _check_facts({END, *metadata})
+        facts = _checked_facts(metadata)
+        if not messages or [message.sequence for message in messages] != list(range(len(messages))):
+            raise FledgeError(
+                f"cut short: {len(messages)} rows are whole; valid is 1 or more, from the first"
+            )
+
+        def leaf(path: str, kind: Any, value: Any) -> Any:
+            if path.startswith("episode."):
+                return np.array(value, dtype=int if all(type(one) is int for one in value) else float)
+            return from_json(kind, value, path)
+
+        known = {name: json.loads(text) for name, text in facts.items() if name != "format"}
+        return from_tree(Flight, {"episode": _rows(messages), **known}, leaf)
+
+
 def list_flights(folder: AnyPath) -> list[Path]:
     """The flights in a folder, by name.
 
@@ -120,12 +160,13 @@ class FlightLog:
         self._arena = about.arena
         self._rows = 0
         self._dtypes: dict[str, np.dtype] = {}
-        self._writer = Writer(
+        self.writer = Writer(
             stream, chunk_size=CHUNK, compression=CompressionType.ZSTD, enable_data_crcs=True
         )
-        self._writer.start(library="fledge")
+        """Of the whole file, for those who have more to say of a flight, on topics of their own."""
+        self.writer.start(library="fledge")
         facts = {name: json.dumps(to_json(getattr(about, name))) for name in _fact_names()}
-        self._writer.add_metadata(FACTS, {"format": FORMAT, **facts})
+        self.writer.add_metadata(FACTS, {"format": FORMAT, **facts})
 
     def __enter__(self) -> "FlightLog":
         return self
@@ -134,8 +175,8 @@ class FlightLog:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         columns = {path: dtype.name for path, dtype in self._dtypes.items()}
-        self._writer.add_metadata(END, {"rows": json.dumps(self._rows), "columns": json.dumps(columns)})
-        self._writer.finish()
+        self.writer.add_metadata(END, {"rows": json.dumps(self._rows), "columns": json.dumps(columns)})
+        self.writer.finish()
 
     def add(self, rows: Episode) -> None:
         """Append rows: leaves of shape (rows,), or plain numbers for one row.
@@ -175,12 +216,12 @@ class FlightLog:
 
     def _channel(self, topic: str, name: str, example: Any) -> int:
         text = json.dumps(schema(name, example), separators=(",", ":"))
-        return self._writer.register_channel(
-            topic, "json", self._writer.register_schema(name, "jsonschema", text.encode())
+        return self.writer.register_channel(
+            topic, "json", self.writer.register_schema(name, "jsonschema", text.encode())
         )
 
     def _put(self, channel: int, t: int, text: str) -> None:
-        self._writer.add_message(channel, t, text.encode(), publish_time=t, sequence=self._rows)
+        self.writer.add_message(channel, t, text.encode(), publish_time=t, sequence=self._rows)
 
 
 def _columns(rows: Episode) -> dict[str, np.ndarray]:
@@ -241,22 +282,47 @@ def _contents(file: BinaryIO, size: int) -> tuple[dict[str, str], dict[str, str]
     summary = make_reader(file).get_summary()
     if summary is not None:  # do not plough through gigabytes that are not ours
         _check_facts({index.name for index in summary.metadata_indexes})
+    metadata, messages = _sorted_out(_records(file, size))
+    _check_facts(metadata)
+    return _checked_facts(metadata), metadata[END], messages
+
+
+def _records(file: BinaryIO, size: int) -> Iterator[Any]:
     file.seek(0)
+    return StreamReader(file, validate_crcs=True, record_size_limit=size).records
+
+
+def _whole_records(file: BinaryIO) -> tuple[dict[str, dict[str, str]], list[Message]]:
+    """(metadata by name, messages of the rows) up to where a file was cut short or is damaged."""
+
+    def whole() -> Iterator[Any]:
+        with suppress(Exception):  # the parser raises as it pleases
+            yield from _records(file, size)
+
+    size = file.seek(0, os.SEEK_END)
+    return _sorted_out(whole())
+
+
+def _sorted_out(records: Iterable[Any]) -> tuple[dict[str, dict[str, str]], list[Message]]:
+    """(metadata by name, messages of the rows)."""
     metadata: dict[str, dict[str, str]] = {}
     messages: list[Message] = []
     channel = None
-    for record in StreamReader(file, validate_crcs=True, record_size_limit=size).records:
+    for record in records:
         if isinstance(record, Metadata):
             metadata[record.name] = record.metadata
         elif isinstance(record, Channel) and record.topic == ROWS:
             channel = record.id
         elif isinstance(record, Message) and record.channel_id == channel:
             messages.append(record)
-    _check_facts(metadata)
+    return metadata, messages
+
+
+def _checked_facts(metadata: dict[str, dict[str, str]]) -> dict[str, str]:
     facts = metadata[FACTS]
     if facts.get("format") != FORMAT:
         raise FledgeError(f"a flight of format {facts.get('format')!r}: this fledge reads {FORMAT!r}")
-    return facts, metadata[END], messages
+    return facts
 
 
 def _check_facts(names: Container[str]) -> None:

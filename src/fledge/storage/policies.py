@@ -23,7 +23,7 @@ import onnx
 from onnx import TensorProto, helper, numpy_helper
 
 from fledge.errors import FledgeError
-from fledge.policy import Contract, Policy
+from fledge.learning.policy import Contract, Policy
 from fledge.storage.atomic import AnyPath, reading, write
 from fledge.storage.records import from_json, to_json
 

@@ -1,0 +1,1 @@
+"""The cockpit: a person flies, demonstrates, watches and takes over, in a browser."""

@@ -1,0 +1,1 @@
+"""Attacks on a safety net: adversaries, the vehicles under attack, and campaigns of them by the thousand."""

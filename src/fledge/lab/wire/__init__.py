@@ -1,0 +1,1 @@
+"""What travels: datagrams, and codecs that are pure, never raise on bytes, and know nothing of each other."""

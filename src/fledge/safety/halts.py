@@ -1,0 +1,28 @@
+"""Where every vehicle would come to rest if it were told to stop now, for people to look at; nothing decides by it."""
+
+from fledge.safety.base import Halt
+from fledge.safety.contract import UgvStop
+from fledge.safety.tube import uav_tube, ugv_tube
+from fledge.safety.turns import Deciding, Memory, UgvMemory
+from fledge.scalars import Scalar, maximum, where
+from fledge.world import UgvState, WorldState
+
+
+def halts(net: Deciding, memory: Memory, world: WorldState) -> tuple[Halt, ...]:
+    """Those of all vehicles, the UAV's first, by the contract of a net and what it remembers having sent."""
+    uav, sent = world.uav, memory.uav
+    tube = uav_tube(net.contract, net.uav, uav, sent.sent, sent.spin, world.t - uav.stamp)
+    first = Halt(uav.position.x + tube.late.x, uav.position.y + tube.late.y, tube.error)
+    others = zip(net.ugvs, world.ugvs, memory.ugvs, strict=True)
+    return (first, *(_ugv(net, stop, ugv, one, world.t) for stop, ugv, one in others))
+
+
+def _ugv(net: Deciding, stop: UgvStop, ugv: UgvState, memory: UgvMemory, t: Scalar) -> Halt:
+    """In the middle between the shortest and the longest way to rest."""
+    c, v = net.contract, ugv.speed
+    tube = ugv_tube(c, stop, ugv, memory.sent, t - ugv.stamp, 0.0, 0.0)
+    surely = maximum(abs(v) - c.velocity_error, 0.0)
+    least = surely * surely / (2.0 * (stop.acceleration + c.disturbance))
+    x, y = tube.nose.to_world(0.5 * (tube.ahead - tube.astern + where(v < 0.0, -least, least)), 0.0)
+    miss = 0.5 * (tube.ahead + tube.astern - least) + tube.swing * maximum(tube.ahead, tube.astern)
+    return Halt(ugv.x + x, ugv.y + y, miss + c.position_error)

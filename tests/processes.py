@@ -1,0 +1,107 @@
+"""Real processes: `fledge twin` and `fledge fly` from a test, what they log, and somebody at the sticks."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from contextlib import contextmanager, suppress
+from itertools import count
+from threading import Event, Thread
+
+from mcap.exceptions import EndOfFile
+from mcap.records import Message
+from mcap.stream_reader import StreamReader
+
+from fledge.lab.shell.udp import UdpPort, Wire
+from fledge.lab.wire.datagrams import STICKS, Datagram
+from fledge.lab.wire.sticks import Sticks, encode
+from fledge.supervision.inputs import Operator
+
+
+@contextmanager
+def process(*arguments, cwd=None, **environment):
+    """`fledge` with some arguments, and its end."""
+    command = [sys.executable, "-c", "from fledge.cli import main; main()", *map(str, arguments)]
+    running = subprocess.Popen(
+        command,
+        cwd=cwd,
+        env={**os.environ, **environment},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    try:
+        yield running
+    finally:
+        running.kill()
+        running.communicate()
+
+
+def until(running, words):
+    """Wait for a line with these words on standard error."""
+    assert any(words in line for line in running.stderr), words
+
+
+def wires(host):
+    return "--mocap", f"vicon://{host}", "--vehicle", f"ardrone://{host}", "--no-operator"
+
+
+def ticks_of(path):
+    """The ticks in a log that may still be written, so far."""
+    found = []
+    with suppress(OSError, EndOfFile), open(path, "rb") as file:
+        for record in StreamReader(file).records:
+            if isinstance(record, Message) and record.data.startswith(b'{"tick":'):
+                found.append(json.loads(record.data))
+    return found
+
+
+def phases(path):
+    """Those in a log that is being written, so far."""
+    return [tick["phase"] for tick in ticks_of(path)]
+
+
+def flown_to(phase, path, within=60.0):
+    """Wait until a flight has got there."""
+    end = time.monotonic() + within
+    while phase not in phases(path)[-1:]:
+        assert time.monotonic() < end, phases(path)[-1:]
+        time.sleep(0.5)
+
+
+def wait_for(condition, within=60.0):
+    end = time.monotonic() + within
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.2)
+
+
+def modes(path):
+    """The UAV's, in a log that is being written."""
+    return [tick["said"][0]["mode"] for tick in ticks_of(path) if tick["said"]] or [""]
+
+
+@contextmanager
+def sticks(address):
+    """Somebody with a wire: a function that says how all operators are from now on, fifty times a second."""
+    now, over = [Operator()], Event()
+
+    def talk():
+        mouth = UdpPort(Wire(STICKS, there=address))
+        for number in count():
+            if over.wait(0.02):
+                break
+            uav = now[0]
+            others = Operator(arm=uav.arm, land=uav.land, hand_back=uav.hand_back)
+            said = encode(Sticks(number, time.monotonic(), (uav, others, others, others)))
+            mouth.send(Datagram(STICKS, said))
+        mouth.close()
+
+    thread = Thread(target=talk)
+    thread.start()
+    try:
+        yield lambda operator: now.__setitem__(0, operator)
+    finally:
+        over.set()
+        thread.join()
