@@ -63,7 +63,7 @@ def _address(port: int) -> PrimitiveConstructorSpec[Any]:
         metavar="HOST[:PORT]",
         instance_from_str=lambda words: _endpoint(words[0], port),
         is_instance=lambda value: True,
-        str_from_instance=lambda value: [f"{value[0]}:{value[1]}"],
+        str_from_instance=lambda value: [f"{value[0]}:{value[1]}" if value else "none"],
     )
 
 
