@@ -76,13 +76,22 @@ def test_a_halt_that_is_nowhere_is_not_shown():
     assert [vehicle.stop for vehicle in told.vehicles] == [(), (), *map(tuple, halts[2:])]
 
 
-@pytest.mark.parametrize("place", (Vec3(-20.0, 0.0, 0.0), Vec3(0.0, 0.0, nan)), ids=("far away", "nowhere"))
-def test_pixels_beyond_all_measure_can_still_be_said(place):
+@pytest.mark.parametrize("wild", (nan, inf, -inf, 1e300), ids=str)
+def test_what_cameras_make_up_can_still_be_said(wild):
+    """A pose that nobody believes is shown to the supervisor as it came, and must not cut off who watches."""
     last, about, _ = shown(NoNet(), ticks=1)
-    uav, lens = last.world.uav, Lens(focal_px=1e5)
-    seen_from = replace(uav, position=place)
-    picture = look(lens, replace(last.world, uav=seen_from))
-    odd = last._replace(picture=picture, world=replace(last.world, uav=seen_from))
-    told = frame(odd, replace(about, lens=lens)).picture
-    pixels = [told.u, told.v, told.radius, *sum(told.marks, ())]
-    assert all(abs(pixel) <= FAR for pixel in pixels) and FAR in map(abs, pixels)
+    uav, (ugv, *others) = last.world.uav, last.world.ugvs
+    nowhere = replace(uav, position=Vec3(wild, 0.0, wild))
+    world = replace(last.world, uav=nowhere, ugvs=(replace(ugv, heading=wild), *others))
+    told = frame(last._replace(world=world, picture=look(about.lens, world)), about)
+    assert decode_told(encode(told)) == told
+    assert abs(told.vehicles[0].x) == FAR and told.vehicles[2].x == last.world.ugvs[1].x
+
+
+def test_pixels_beyond_all_measure_can_still_be_said():
+    last, about, _ = shown(NoNet(), ticks=1)
+    lens = Lens(focal_px=1e5)
+    far = replace(last.world, uav=replace(last.world.uav, position=Vec3(-20.0, 0.0, 0.0)))
+    told = frame(last._replace(picture=look(lens, far), world=far), replace(about, lens=lens))
+    assert decode_told(encode(told)) == told
+    assert FAR in map(abs, (told.picture.u, told.picture.v, told.picture.radius))

@@ -95,12 +95,8 @@ def test_a_log_that_is_not_whole_is_told_after_all_else(monkeypatch, capsys):
     ("words", "line"),
     [
         (
-            ("fly", "--pilot", "servo", "--operator", "ws"),
-            "operator ws comes with the cockpit: valid are keyboard, joy",
-        ),
-        (
             ("fly", "--pilot", "servo", "--operator", "cat"),
-            "unknown operator 'cat': valid are joy, keyboard, udp",
+            "unknown operator 'cat': valid are joy, keyboard, udp, udp://HOST:PORT, ws",
         ),
         (
             ("fly", "--mocap", "vicon:127.0.0.1"),

@@ -173,8 +173,9 @@ def test_who_took_over_through_other_eyes_is_not_learnt_from():
         Lesson.of(demonstrated(), SETUP, Recipe.fast(), 0, [replace(FULL, ideal_radius=90.0)])
 
 
+@pytest.mark.slow
 def test_a_policy_does_more_of_what_the_person_did():
-    plain, corrected = (Lesson.of(demonstrated(), SETUP, Recipe.fast(), 0, more) for more in ([], [FULL]))
+    plain, corrected = (Lesson.of(demonstrated(), SETUP, Recipe.fast(20), 0, more) for more in ([], [FULL]))
     assert plain.settings["data"] != corrected.settings["data"]
     ((states, actions),) = corrections([FULL])
 

@@ -15,7 +15,8 @@ from fledge.errors import BadFile, FledgeError
 from fledge.manoeuvres import FixedAltitude
 from fledge.pilots import Servo
 from fledge.simulation import Case, Crew
-from fledge.storage import FlightLog, list_flights, read_flight, recover_flight, write_flight
+from fledge.storage import FlightLog, list_flights, read_facts, read_flight, recover_flight, write_flight
+from fledge.storage.records import to_json
 from fledge.world import Arena
 
 
@@ -251,6 +252,108 @@ def test_a_lost_vehicle_has_no_frames_but_its_row(tmp_path, flight):
     write_flight(tmp_path / "a.mcap", gone)
     assert len(messages(tmp_path / "a.mcap", "/fledge/frames")) == 17
     assert same(read_flight(tmp_path / "a.mcap"), gone)
+
+
+# What a flight was, without its rows
+
+
+def facts_of(flight: Flight) -> dict:
+    """All that a flight says of itself, as JSON has it."""
+    some = {field.name: getattr(flight, field.name) for field in fields(Flight) if field.name != "episode"}
+    return {name: to_json(value) for name, value in some.items()} | {"rows": flight.rows}
+
+
+def test_the_facts_are_those_of_the_whole_flight(tmp_path, flight):
+    odd = replace(flight, ideal_radius=float("inf"), pilot="", axes=())
+    for one in (flight, odd, with_leaves(flight, lambda leaf: leaf[:1])):
+        write_flight(tmp_path / "a.mcap", one)
+        assert read_facts(tmp_path / "a.mcap") == facts_of(read_flight(tmp_path / "a.mcap")) == facts_of(one)
+
+
+def test_no_row_is_read_for_them(tmp_path, flight):
+    """A flipped bit among the rows is the business of those who want the rows."""
+    write_flight(tmp_path / "a.mcap", flight)
+    with open(tmp_path / "a.mcap", "r+b") as file:
+        (chunk, *_) = make_reader(file).get_summary().chunk_indexes
+        file.seek(chunk.chunk_start_offset + chunk.chunk_length // 2)
+        (byte,) = file.read(1)
+        file.seek(-1, 1)
+        file.write(bytes([byte ^ 1]))
+    assert read_facts(tmp_path / "a.mcap") == facts_of(flight)
+    with pytest.raises(BadFile):
+        read_flight(tmp_path / "a.mcap")
+
+
+def facts_or_line(path, content: bytes) -> dict | str:
+    path.write_bytes(content)
+    try:
+        return read_facts(path)
+    except BadFile as error:
+        assert "\n" not in str(error)
+        return str(error).removeprefix(f"{path}: ")
+
+
+def test_the_facts_of_a_flight_cut_anywhere_are_refused(tmp_path, data):
+    for size in [*range(0, 40), *range(40, len(data), 61), *range(len(data) - 60, len(data))]:
+        line = facts_or_line(tmp_path / "a.mcap", data[:size])
+        assert line == refused(tmp_path / "a.mcap", data[:size])
+
+
+def test_of_a_damaged_flight_there_are_facts_or_a_line(tmp_path, flight, data):
+    rng = np.random.default_rng(3)
+    wanted = set(facts_of(flight))
+    for place in rng.integers(8, len(data) - 8, 300):
+        broken = bytearray(data)
+        broken[place] ^= 1 << rng.integers(8)
+        found = facts_or_line(tmp_path / "a.mcap", bytes(broken))
+        assert isinstance(found, str) or set(found) == wanted
+    for size in [1, 100, 10_000]:
+        for content in (rng.bytes(size), data[:8] + rng.bytes(size) + data[-8:]):
+            assert isinstance(facts_or_line(tmp_path / "a.mcap", content), str)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"format": "2"},
+        {"seed": '"seven"'},
+        {"pilot": "3"},
+        {"axes": "3"},
+        {"net": "{"},
+        {"net": None},
+        {"more": "1"},
+        {"rows": "null"},
+        {"rows": "0"},
+        {"rows": None},
+    ],
+    ids=str,
+)
+def test_facts_of_others_are_refused_as_their_flights_are(tmp_path, flight, change):
+    path = tmp_path / "a.mcap"
+    write_flight(path, flight)
+    metadata, rows = parts(path)
+    (name, value), record = *change.items(), "fledge.end" if "rows" in change else "fledge.flight"
+    metadata[record] = {**metadata[record], name: value}
+    if value is None:
+        del metadata[record][name]
+    content = mcap(path, metadata.items(), rows)
+    assert refused(path, content) and isinstance(facts_or_line(path, content), str)
+
+
+def test_facts_are_refused_where_there_are_none(tmp_path, flight):
+    path = tmp_path / "a.mcap"
+    write_flight(path, flight)
+    metadata, rows = parts(path)
+    for some in (
+        [],
+        [("fledge.flight", metadata["fledge.flight"])],
+        [("fledge.end", metadata["fledge.end"])],
+    ):
+        content = mcap(path, some, rows)
+        assert refused(path, content) == facts_or_line(path, content)
+    for wrong in (tmp_path / "nowhere.mcap", tmp_path):
+        with pytest.raises(BadFile, match="cannot be read"):
+            read_facts(wrong)
 
 
 def test_lists_flights_by_name(tmp_path):

@@ -17,7 +17,7 @@ from fledge.errors import FledgeError
 from fledge.geometry import Box, Quat, Vec3
 from fledge.lab import Malformed
 from fledge.lab.control.phases import Phase
-from fledge.lab.shell.udp import Address, UdpPort, Wire, glances_at
+from fledge.lab.shell.udp import Address, UdpPort, Wire, glances_at, opened
 from fledge.lab.wire import glances, sticks
 from fledge.lab.wire.datagrams import GLANCES, STICKS, Datagram
 from fledge.lab.wire.glances import Glance, Vehicle
@@ -71,7 +71,7 @@ class Attached:
         Raises:
             FledgeError: there is no such host, or no flight that can be seen.
         """
-        told, shown = UdpPort(Wire(STICKS, there=there)), UdpPort(Wire(GLANCES, there=glances_at(there)))
+        told, shown = opened((Wire(STICKS, there=there), Wire(GLANCES, there=glances_at(there))))
         end = time.monotonic() + patience
         while time.monotonic() < end:
             shown.send(ASK)
@@ -149,7 +149,9 @@ def _shown(glance: Glance, about: Flight, silent: bool) -> Shown:
     return Shown(
         world,
         decisions,
-        tuple(commander(i, decision, False) for i, decision in enumerate(decisions)),
+        tuple(
+            commander(i, decision, False, glance.phase != Phase.FLY) for i, decision in enumerate(decisions)
+        ),
         look(about.lens, world),
         row=None,
         flown=False,

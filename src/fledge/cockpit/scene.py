@@ -77,14 +77,16 @@ class Scene(Protocol):
         ...
 
 
-def commander(vehicle: int, decision: Decision, by_person: bool) -> str:
-    """Who flies a vehicle, where `by_person` says whether a person is the UAV's pilot."""
+def commander(vehicle: int, decision: Decision, by_person: bool, leads: bool = False) -> str:
+    """Who flies a vehicle: `by_person` says whether a person is the UAV's pilot, `leads` whether guidance flies it."""
     mode, verdict = decision.mode, decision.verdict
     if mode not in FLOWN:
         return "nobody"
     by_net = verdict.reason in NET_REASONS if mode == Mode.MANUAL else verdict.intervened > 0.5
     if by_net and mode != Mode.RECOVER:
         return "net"
-    if mode == Mode.MANUAL or (vehicle == 0 and by_person):
+    if mode == Mode.MANUAL:
         return PERSON
-    return "guidance" if vehicle else "pilot"
+    if vehicle or leads:
+        return "guidance"
+    return PERSON if by_person else "pilot"

@@ -37,7 +37,7 @@ def frame(shown: Shown, about: Flight, halts: Sequence[Halt] = ()) -> Frame:
 def _vehicle(
     place: tuple[float, ...], decision: Decision, commander: str, halt: tuple[float, ...]
 ) -> Vehicle:
-    x, y, z, heading = place
+    x, y, z, heading = _drawn(*place)
     verdict, sent = decision.verdict, decision.verdict.command
     return Vehicle(
         x,
@@ -47,12 +47,12 @@ def _vehicle(
         Mode(int(decision.mode)).name,
         Reason(int(verdict.reason)).name,
         commander,
-        (sent.forward, sent.left, sent.up, sent.turn),
+        _drawn(sent.forward, sent.left, sent.up, sent.turn),
         float(verdict.clearance) if isfinite(verdict.clearance) else None,
         tuple(halt) if all(map(isfinite, halt)) else (),
     )
 
 
-def _drawn(*pixels: float) -> tuple[float, ...]:
-    """Pixels as they can be said: seen from the floor, or edge-on, anything is anywhere."""
-    return tuple(min(max(float(one), -FAR), FAR) if isfinite(one) else FAR for one in pixels)
+def _drawn(*numbers: float) -> tuple[float, ...]:
+    """Pixels and places as they can be said: what is wild, or no number, is far out of sight."""
+    return tuple(min(max(float(one), -FAR), FAR) if isfinite(one) else FAR for one in numbers)

@@ -4,6 +4,7 @@ A flight is called by its path within the folder, without its suffix: `climb-000
 listed can be had, so no name leads out of the folder.
 """
 
+from contextlib import suppress
 from dataclasses import astuple, fields, replace
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ from fledge.errors import BadFile, UnknownName
 from fledge.observation import ROW_RATE
 from fledge.simulation import Rig
 from fledge.storage import read_facts, read_flight
+from fledge.storage.atomic import reading
 from fledge.study.evaluation import score
 from fledge.world import Arena, Reason, UavState, Verdict, WorldState
 
@@ -35,11 +37,12 @@ class Shelf:
         """What there is, the newest first."""
         found = []
         for name, path in self._paths().items():
-            facts = self._about(path)
-            if facts is not None:
-                some = {key: facts[key] for key in ("manoeuvre", "pilot", "net", "rows", "case", "seed")}
-                about = {"seconds": facts["rows"] / ROW_RATE, "modified": path.stat().st_mtime}
-                found.append({"name": name, **some, **about})
+            with suppress(FileNotFoundError):  # removed meanwhile
+                facts, modified = self._about(path), path.stat().st_mtime
+                if facts is not None:
+                    some = {key: facts[key] for key in ("manoeuvre", "pilot", "net", "rows", "case", "seed")}
+                    about = {"seconds": facts["rows"] / ROW_RATE, "modified": modified}
+                    found.append({"name": name, **some, **about})
         return sorted(found, key=lambda one: (-one["modified"], one["name"]))
 
     def whole(self, name: str) -> dict[str, Any]:
@@ -54,6 +57,9 @@ class Shelf:
             raise UnknownName("flight", name, sorted(paths))
         flight = read_flight(paths[name])
         some = {key: getattr(flight, key) for key in ("manoeuvre", "pilot", "net", "seed", "case", "rows")}
+        # Where somebody was lost, there are numbers that are none.
+        with reading(paths[name], "a flight"), np.errstate(invalid="ignore"):
+            columns, how_well = _columns(flight), _plain(astuple(marks(flight)))
         return {
             "name": name,
             **some,
@@ -62,8 +68,8 @@ class Shelf:
             "lens": lens(flight),
             "ideal_radius": flight.ideal_radius,
             "names": names(flight.episode.world),
-            "marks": dict(zip(("distance", "radius", "in_view"), astuple(marks(flight)), strict=True)),
-            "columns": _columns(flight),
+            "marks": dict(zip(("distance", "radius", "in_view"), how_well, strict=True)),
+            "columns": columns,
         }
 
     def _paths(self) -> dict[str, Path]:

@@ -154,16 +154,25 @@ async def _tell(socket: WebSocket, box: Mailbox) -> None:
     try:
         while not box.full:
             for told in await box.take():
-                await (socket.send_bytes(told) if isinstance(told, bytes) else socket.send_text(encode(told)))
+                await _say(socket, told)
         await socket.close(REFUSED, "you do not read what you are told")
     except (
         WebSocketDisconnect,
         RuntimeError,
     ):  # which Starlette raises for a socket that is closed meanwhile
         return
-    except FledgeError:
-        logger.exception("a message that cannot be said")
-        raise
+
+
+async def _say(socket: WebSocket, told: Any) -> None:
+    if isinstance(told, bytes):
+        await socket.send_bytes(told)
+        return
+    try:
+        text = encode(told)
+    except FledgeError:  # a number that has no place in a message; the next one will do
+        logger.exception("not said")
+        return
+    await socket.send_text(text)
 
 
 async def _hear(socket: WebSocket, deck: Deck, client: int, box: Mailbox) -> None:

@@ -9,8 +9,8 @@ from fledge.lab.wire.fields import flag, listed, nested, number, of, one_of, or_
 FAR = 1e6
 """Largest number in a pose, a pixel or a command; chosen: beyond anything that flies."""
 MOST_CHOICES = 200
-MOST_POINTS = 2_000
-"""Of a loss curve in one message."""
+MOST_POINTS = 500
+"""Of a loss curve in one message; chosen: half of the longest message, and more than a screen shows."""
 FLIGHTS = ("none", "running", "paused", "over")
 LESSONS = ("none", "running", "done", "failed", "cancelled")
 LEVELS = ("info", "warning", "error")

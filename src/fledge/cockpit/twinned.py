@@ -114,11 +114,11 @@ class Twinned:
         world = twin.world()
         row, flown, memory = self._rowed(memory, Tick(heard, said, world), spoken)
         decisions = said.decisions or (NOBODY,) * (1 + len(world.ugvs))
-        by_person = isinstance(self.pilot, Person)
+        by_person, leads = isinstance(self.pilot, Person), said.phase is not Phase.FLY
         shown = Shown(
             world,
             decisions,
-            tuple(commander(i, decision, by_person) for i, decision in enumerate(decisions)),
+            tuple(commander(i, decision, by_person, leads) for i, decision in enumerate(decisions)),
             look(self.controller.guidance.lens, world),
             row,
             flown,

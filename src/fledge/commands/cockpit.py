@@ -18,7 +18,7 @@ def cockpit(
 ) -> None:
     """Fly, demonstrate, watch, train and take over in a browser.
 
-    Prints the address to open. Any gamepad will do, or the keyboard, or a touch screen.
+    Prints the address to open. A gamepad will do, the keyboard, or a touch screen.
 
     Ctrl-C ends it; what is being recorded is not lost.
 

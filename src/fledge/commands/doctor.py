@@ -30,8 +30,17 @@ USES = {
 }
 """What each package is for."""
 
-EXTRAS = {"mujoco": "the lab's twin"}
+EXTRAS = {
+    "mujoco": "the lab's twin",
+    "starlette": "the cockpit",
+    "uvicorn": "the cockpit",
+    "websockets": "the cockpit",
+    "pillow": "the cockpit's pictures",
+}
 """Likewise, of those that few need."""
+
+MODULES = {"pillow": "PIL"}
+"""What is imported of a package, where that has another name."""
 
 OLDEST_PYTHON = (3, 11)
 
@@ -77,7 +86,7 @@ def _package(name: str) -> Finding:
     except metadata.PackageNotFoundError:
         return Finding(what, False, "not installed", remedy)
     try:
-        import_module(name)
+        import_module(MODULES.get(name, name))
     except Exception as error:  # a broken package raises as it pleases
         reason = f"{type(error).__name__}: {error}".split("\n")[0]
         return Finding(what, False, f"{version}, broken ({reason})", f"{remedy} --force-reinstall")

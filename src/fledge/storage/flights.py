@@ -23,7 +23,7 @@ from contextlib import suppress
 from dataclasses import fields
 from pathlib import Path
 from types import TracebackType
-from typing import Any, BinaryIO
+from typing import Any, BinaryIO, get_type_hints
 
 import numpy as np
 from mcap.reader import make_reader
@@ -35,7 +35,7 @@ from fledge.episode import Episode, Flight
 from fledge.errors import BadFile, FledgeError
 from fledge.storage.atomic import AnyPath, reading, replacing
 from fledge.storage.foxglove import poses, scene, schema, template, transforms
-from fledge.storage.records import NON_FINITE, from_json, from_tree, to_json, to_tree
+from fledge.storage.records import NON_FINITE, from_json, from_tree, shown, to_json, to_tree
 
 FORMAT = "1"
 """Version of the layout above; a reader refuses every other."""
@@ -103,14 +103,22 @@ def read_facts(path: AnyPath) -> dict[str, Any]:
     """What a stored flight was, and how many `rows` it has, as JSON values; by the file's index, so it is quick.
 
     Raises:
-        BadFile: missing, truncated, foreign, or of another format version.
+        BadFile: missing, truncated, foreign, or of another format version; rows are not looked at.
     """
     with reading(path, "a flight"), open(path, "rb") as file:
         _check_ends(file)
         metadata = {one.name: one.metadata for one in make_reader(file).iter_metadata()}
         _check_facts(metadata)
-        known = _checked_facts(metadata) | {"rows": metadata[END]["rows"]}
-        return {name: json.loads(text) for name, text in known.items() if name != "format"}
+        facts, rows = _checked_facts(metadata), json.loads(metadata[END]["rows"])
+        known = {name: json.loads(text) for name, text in facts.items() if name != "format"}
+        if sorted(known) != sorted(_fact_names()):
+            raise FledgeError(f"the record has {', '.join(known)}: valid are {', '.join(_fact_names())}")
+        kinds = get_type_hints(Flight)
+        for name, value in known.items():
+            from_json(kinds[name], value, name)
+        if type(rows) is not int or rows < 1:
+            raise FledgeError(f"damaged: its record says {shown(rows)} rows; valid is 1 or more")
+        return known | {"rows": rows}
 
 
 def recover_flight(path: AnyPath) -> Flight:

@@ -124,6 +124,8 @@ def test_a_flood_is_taken_in_parts(opened):
         ),
         (Wire(VICON, ("127.0.0.1", 99999)), "valid are ports from 1 to 65535"),
         (Wire(AT, there=("no such host", 5556)), "host 'no such host' is not known"),
+        (Wire(AT, there=("127.0.0.1", 65536)), "at: port 65536 of 127.0.0.1 cannot be reached"),
+        (Wire(AT, there=("255.255.255.255", 5556)), "at: port 5556 of 255.255.255.255 cannot be reached"),
     ],
 )
 def test_what_cannot_be_opened_is_refused_in_one_line(wire, words):

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fledge.lab.wire.fields import flag, listed, made, number, of, one_of, or_null, plain, nested, text, whole
+from fledge.lab.wire.fields import flag, listed, made, nested, number, of, one_of, or_null, plain, text, whole
 
 
 @dataclass(frozen=True, slots=True)

@@ -166,7 +166,7 @@ class UdpPort:
         there = wire.there and (resolved(wire.there[0]), wire.there[1])
         self._socket = _bound(wire)
         if there is not None:
-            self._socket.connect(there)
+            _connect(self._socket, wire.channel, there)
 
     @property
     def address(self) -> Address:
@@ -245,6 +245,17 @@ def _bound(wire: Wire) -> socket.socket:
         opened.close()
         raise FledgeError(_refusal(wire, error)) from error
     return opened
+
+
+def _connect(one: socket.socket, channel: str, there: Address) -> None:
+    try:
+        one.connect(there)
+    except (OSError, OverflowError) as error:
+        one.close()
+        place = f"{channel}: port {there[1]} of {there[0]}"
+        raise FledgeError(
+            f"{place} cannot be reached ({error}): valid are ports from 1 to 65535 of a host on a network of ours"
+        ) from error
 
 
 def _refusal(wire: Wire, error: Exception) -> str:

@@ -7,12 +7,39 @@ that are not finite are null. It is for eyes, and nothing is flown by it.
 
 import json
 from dataclasses import dataclass
+from enum import IntEnum
+from typing import Any
 
 from fledge.lab import UINT32, Malformed
-from fledge.lab.wire.fields import flag, listed, made, nested, number, of, or_null, plain, refuse, text, whole
+from fledge.lab.wire.fields import (
+    Reader,
+    flag,
+    listed,
+    made,
+    nested,
+    number,
+    of,
+    or_null,
+    plain,
+    refuse,
+    text,
+    whole,
+)
+from fledge.supervision.modes import Mode
+from fledge.world import Reason
 
 LONGEST = 32_768
 """[bytes] of a datagram; chosen: four vehicles take 1,300, an obstacle 60."""
+
+
+def _member(kind: type[IntEnum]) -> Reader:
+    """The number of one of these."""
+
+    def read(what: str, got: Any) -> int:
+        return int(kind(whole(0, max(kind))(what, got)))
+
+    return read
+
 
 _NUMBER = or_null(number(-1e9, 1e9))
 _WORD = text(200)
@@ -28,10 +55,9 @@ class Vehicle:
     """Quaternion world_from_body, scalar part first."""
     velocity: tuple[float | None, ...] = of(listed(_NUMBER, 3, 3))
     """World [m/s]."""
-    mode: int = of(whole(0, 99))
-    """A `supervision.modes.Mode`."""
-    reason: int = of(whole(0, 99))
-    """A `world.Reason`: the verdict's."""
+    mode: int = of(_member(Mode))
+    reason: int = of(_member(Reason))
+    """The verdict's."""
     intervened: bool = of(flag)
     clearance: float | None = of(_NUMBER)
     """[m]; null if the net does not look."""
