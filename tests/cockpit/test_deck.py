@@ -11,6 +11,8 @@ from fledge.cockpit.stock import Stock
 from fledge.cockpit.tape import recover
 from fledge.cockpit.tells import Flight, Frame, Notice, Seating, Stored
 
+pytestmark = pytest.mark.slow
+
 ONE, TWO = 1, 2
 SERVO = Fly("fixed-altitude", "servo", "stop-tube")
 CLIMB = Fly("climb", "person", "stop-tube", record="demonstration")

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from ticks import decision
 
+from fledge.camera import look
 from fledge.cockpit.asks import Sticks
 from fledge.cockpit.flight import Choice, Live, Person
 from fledge.cockpit.scene import PERSON, commander
@@ -17,7 +18,7 @@ from fledge.manoeuvres import Climb, FixedAltitude
 from fledge.observation import Action, Axes, StickScale
 from fledge.pilots import HumanModel, Servo
 from fledge.safety import NoNet, StopTube
-from fledge.simulation import TICK, TICKS_PER_ROW, Case, Crew, flight_key
+from fledge.simulation import TICK, TICKS_PER_ROW, Case, Crew, Rig, flight_key
 from fledge.supervision.inputs import Operator
 from fledge.supervision.modes import Mode
 from fledge.world import Reason
@@ -241,3 +242,13 @@ def test_from_a_page_to_the_vehicle_and_a_closed_tab():
     assert flown.modes[0] is M.HOLD and flown.speed < 0.1
     seat, t = go(10.0, seat, t, talks=False)
     assert flown.modes[0] is M.LAND
+
+
+def test_what_a_person_saw_is_what_there_was_to_be_seen():
+    """Whatever delay and noise the scene has for others: recorded is the picture as it was when the row began."""
+    rig = Rig()
+    for pilot, exact in ((Person(), True), (Servo(), False)):
+        episode = aloft(pilot).go(1.0).episode()
+        picture = look(rig.lens, episode.world)
+        apart = np.abs(episode.observation.ugv_u - picture.u).max()
+        assert (apart < 1e-6) == exact

@@ -85,6 +85,7 @@ def test_a_policy_that_is_none_is_refused_when_it_is_chosen(stock, tmp_path):
         stock.scene(Fly("climb", str(path), "none"))
 
 
+@pytest.mark.slow
 def test_each_demonstration_is_the_next_flight_of_the_synthetic_operator(stock, tmp_path, demonstrated):
     fly = Fly("climb", "person", "stop-tube", record="demonstration")
     lengths = [*next(order for order in PAPER_ORDERS if order.manoeuvre.name == "climb").lengths()]

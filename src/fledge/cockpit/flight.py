@@ -10,6 +10,9 @@ second, on the manoeuvre's axes alone, proposed to the supervisor like any other
 of them, so the supervisor misses a person as it misses a policy: it brakes and holds. To fly by hand on all axes, the
 person uses the take-over switch, whoever the pilot is.
 
+What a person sees is the page, with its own delay; so nothing is simulated of a camera's, and what a row says was seen
+is what there was to be seen. Else each flight's own delay, which no person saw, would stand between picture and sticks.
+
 **Begin and end.** The flight begins in the air, above the formation, and everything stands still until somebody arms,
 from a row's first tick on. The manoeuvre goes on while somebody flies the UAV, and waits while it holds; after its last
 row the UGVs keep their last formation. A UAV whose motors are off stays where it is, as in the drills of `faults`.
@@ -56,6 +59,9 @@ from fledge.supervision.posts import Decision
 from fledge.supervision.posts import Memory as Supervision
 from fledge.supervision.supervisor import IDLE, Supervisor
 from fledge.world import Commands, WorldState
+
+EYES = {"delay": 0.0, "pixel_noise": 0.0, "motion_noise": 0.0}
+"""A person's conditions, where they differ from the scene's."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,6 +134,8 @@ class Live:
         key = flight_key(choice.seed, "demonstration", manoeuvre.name, choice.number)
         crew = Crew(choice.pilot.for_axes(manoeuvre.axes), Axes.of(manoeuvre.axes))
         case = Case.draw(manoeuvre, key, choice.rows)
+        if isinstance(choice.pilot, Person):
+            case = replace(case, conditions=replace(case.conditions, **EYES))
         register((case, crew))
         case = jax.tree.map(lambda leaf: leaf if np.ndim(leaf) else float(leaf), case)
         columns = (getattr(case.plan.track, one.name).tolist() for one in fields(FormationTrack))

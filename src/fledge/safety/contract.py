@@ -53,7 +53,9 @@ class UavStop:
     rate: float = 0.0313  # [m s/rad]
     followed: float = 0.0255  # [s]
     error: float = 0.07  # [m]
-    spin: float = 0.11  # [m s/rad] by how much more a UAV that turns misses: its lags turn with it
+    spin: float = (
+        0.35  # [m s/rad] by how much more a UAV that turns misses: its lags turn with it; at most 0.28 found
+    )
     speed_up: float = 0.338  # [s]
     followed_up: float = 0.046  # [s]
     error_up: float = 0.02  # [m]
