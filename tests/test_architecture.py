@@ -56,8 +56,15 @@ DEPTH = {name: depth for depth, layer in enumerate(LAYERS) for name in layer}
 SHELL = {
     *("cli", "commands", "runs", "lookup", "guests", "console", "report", "storage"),
     *("lab.shell", "lab.twin.picture", "lab.twin.darkroom"),
-    *("cockpit.tape", "cockpit.deck", "cockpit.stock", "cockpit.shelf", "cockpit.school", "cockpit.attached"),
-    *("cockpit.twinned", "cockpit.guard", "cockpit.site", "cockpit.server"),
+    *("cockpit.tape", "cockpit.deck", "cockpit.meters", "cockpit.usher", "cockpit.stock", "cockpit.shelf"),
+    *(
+        "cockpit.school",
+        "cockpit.attached",
+        "cockpit.twinned",
+        "cockpit.guard",
+        "cockpit.site",
+        "cockpit.server",
+    ),
 }
 """Files, clocks and terminals live here, and nowhere else."""
 

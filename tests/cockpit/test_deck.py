@@ -6,6 +6,7 @@ import pytest
 
 from fledge.cockpit.asks import Cancel, Discard, Fly, Keep, Pause, Reset, Resume, Seat, Sticks
 from fledge.cockpit.deck import PERSON_ONLY, UNSAVED, Deck
+from fledge.cockpit.flight import Live
 from fledge.cockpit.messages import encode
 from fledge.cockpit.stock import Stock
 from fledge.cockpit.tape import recover
@@ -161,3 +162,19 @@ def test_a_seat_given_up_is_free(bridge):
     bridge.until(lambda: bridge.last(Seating))
     bridge.deck.hear(ONE, Seat(False))
     bridge.until(lambda: bridge.last(Seating).seat == "free")
+
+
+def test_a_fault_of_ours_ends_the_flight_and_is_said(bridge, monkeypatch, caplog):
+    bridge.flies(SERVO)
+
+    def broken(*_):
+        raise RuntimeError("a bug")
+
+    monkeypatch.setattr(Live, "tick", broken)
+    bridge.until(lambda: bridge.state == "over", arm=True)
+    assert "a bug" in bridge.last(Notice).text
+    monkeypatch.undo()
+    bridge.flies(SERVO)
+    monkeypatch.setattr(Live, "draw", broken)
+    bridge.deck.hear(ONE, SERVO)
+    bridge.until(lambda: "cannot be flown" in bridge.last(Notice).text)

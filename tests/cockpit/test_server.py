@@ -113,7 +113,9 @@ def test_a_demonstration_is_kept_with_its_marks_beside_the_synthetic_operators(s
     listed = json.loads(server.get("/api/flights")[1])["flights"]
     assert listed[0]["name"] == stored.name
     whole = json.loads(server.get(f"/api/flights/{stored.name}")[1])
-    assert len(whole["columns"]["t"]) == rows and whole["marks"]["radius"] == stored.marks.radius
+    assert len(whole["columns"]["t"]) == rows and whole["marks"]["radius"] == pytest.approx(
+        stored.marks.radius, abs=1e-4
+    )
 
 
 def dict_of(harvest):

@@ -11,45 +11,40 @@ when its flight is over or its pilot has left.
 """
 
 import gc
+import logging
 import sys
 import time
-from array import array
-from collections import deque
-from collections.abc import Callable
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from math import inf
 from queue import Empty, SimpleQueue
-from statistics import median
 from threading import Event, Thread
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from fledge.cockpit import asks, tells
 from fledge.cockpit.asks import Fly, Sticks
+from fledge.cockpit.meters import Answers, Pace
 from fledge.cockpit.scene import Scene, Shown
 from fledge.cockpit.screen import frame
-from fledge.cockpit.seat import Seats
 from fledge.cockpit.stock import Stock
 from fledge.cockpit.tape import Tape
+from fledge.cockpit.usher import Post, Usher
 from fledge.errors import FledgeError
 from fledge.lab.shell.pace import PERIOD, Pacer
 from fledge.lab.shell.runtime import one_thread, urgent
 from fledge.supervision.supervisor import IDLE
 
-Post = Callable[[int | None, Any], None]
-"""Hands something said to a client, or to all; returns at once."""
-
 PICTURES = 30.0
 """Frames a second."""
-LATELY = 100
-"""Sticks over which the time to answer is taken."""
 SWITCH = 0.0005
 """[s] after which Python takes the turn from a thread that wants to go on; chosen: a twentieth of a slot."""
 TIDY = 1000
 """Ticks from one collection of all garbage to the next."""
 PERSON_ONLY = "take the operator's seat first"
 UNSAVED = "a recording waits: keep it or throw it away first"
+
+logger = logging.getLogger(__name__)
 
 
 class Ready(NamedTuple):
@@ -82,8 +77,7 @@ class Deck:
         """
         self._stock, self._post = stock, post
         self._inbox: SimpleQueue[Heard] = SimpleQueue()
-        self._seats = Seats()
-        self._seating = self._seats.init()
+        self._usher = Usher(post)
         self._fly: Fly | None = None
         self._scene: Scene | None = None
         self._memory: Any = None
@@ -96,10 +90,8 @@ class Deck:
         self._pacer = Pacer()
         self._ending = Event()
         self._thread = Thread(target=self._run, name="deck", daemon=True)
-        self._answers: deque[float] = deque(maxlen=LATELY)
-        self._all_answers = array("d")
+        self._answers, self._pace = Answers(), Pace()
         self._due = -inf
-        self._pace = _Pace()
         self.missed = 0
         """Slots without a tick."""
         self.ticks = 0
@@ -131,26 +123,21 @@ class Deck:
 
     def summary(self) -> dict[str, Any]:
         """What came of it, in plain JSON values."""
-        answers = np.array(self._all_answers or [0.0])
-        p50, p99 = (float(np.percentile(answers, share)) for share in (50.0, 99.0))
-        took = {"count": len(self._all_answers), "p50": p50, "p99": p99, "max": float(answers.max())}
         return {
             "ticks": self.ticks,
             "missed": self.missed,
-            "answer_ms": {name: round(value, 3) for name, value in took.items()},
-            "dropped": self._seating.dropped._asdict(),
+            "answer_ms": self._answers.summary(),
+            "dropped": self._usher.seating.dropped._asdict(),
         }
 
     def _run(self) -> None:
-        sys.setswitchinterval(SWITCH)
-        with urgent(), one_thread():
+        with _undisturbed(), urgent(), one_thread():
             slot = self._pacer.first(time.monotonic_ns())
             while not self._ending.is_set():
                 time.sleep(max(slot.ends - time.monotonic_ns(), 0) / 1e9)
                 sticks = self._listen()
                 if self._state == "running":
-                    self._tick()
-                    self._answered(sticks)
+                    self._go_on(sticks)
                 self._show()
                 slot, missed = self._pacer.next(slot, time.monotonic_ns())
                 self.missed += missed if self._state == "running" else 0
@@ -159,35 +146,45 @@ class Deck:
             if self._scene is not None:
                 self._scene.close()
 
+    def _go_on(self, sticks: list[float]) -> None:
+        """10 ms; whatever goes wrong in them ends the flight, not the deck."""
+        try:
+            self._tick()
+        except Exception as error:
+            logger.exception("a flight has ended")
+            self._post(None, tells.Notice(f"the flight has ended by a fault of ours: {error}"[:500], "error"))
+            self._change("over")
+        for at in sticks:
+            self._answers.add(at)
+
     # What pages say.
 
     def _listen(self) -> list[float]:
         """When the sticks that count came in, of those that did since the last slot [s]."""
         sticks = []
-        while True:
-            try:
+        with suppress(Empty):
+            while True:
                 heard = self._inbox.get_nowait()
-            except Empty:
-                break
-            before = self._seating.heard
-            self._obey(heard)
-            if isinstance(heard.said, Sticks) and self._seating.heard > before:
-                sticks.append(heard.at)
-        self._seated(self._seats.tick(self._seating, time.monotonic()))
+                if isinstance(heard.said, Sticks):
+                    if self._usher.hear(heard.client, heard.said, heard.at):
+                        sticks.append(heard.at)
+                else:
+                    self._obey(heard)
+        self._usher.tick()
         return sticks
 
     def _obey(self, heard: Heard) -> None:
         at, client, said = heard
         if isinstance(said, (Ready, FledgeError)):
             self._prepared(client, said)
-        elif isinstance(said, bool):
-            self._came(client, at) if said else self._seated(self._seats.leave(self._seating, client, at))
-        elif isinstance(said, Sticks):
-            self._seated(self._seats.hear(self._seating, client, said, at))
+        elif said is True:
+            self._post(client, self._flight())
+            self._usher.come(client)
+        elif said is False:
+            self._usher.go(client, at)
         elif isinstance(said, asks.Seat):
-            change = self._seats.ask if said.want else self._seats.give_up
-            self._seated(change(self._seating, client, at))
-        elif client != self._seating.holder:
+            self._usher.ask(client, said.want, at)
+        elif client != self._usher.seating.holder:
             self._post(client, tells.Notice(PERSON_ONLY, "warning"))
         else:
             try:
@@ -197,28 +194,6 @@ class Deck:
 
     def _complain(self, client: int, error: FledgeError) -> None:
         self._post(client, tells.Notice(str(error)[:500], "error"))
-
-    def _came(self, client: int, at: float) -> None:
-        self._seating = self._seats.join(self._seating, client)
-        self._post(client, self._flight())
-        for one in self._seating.clients:
-            self._post(one, self._seat(one))
-
-    def _seated(self, seating: Any) -> None:
-        before, self._seating = self._seating, seating
-        if (before.clients, before.holder, before.waiting) != (
-            seating.clients,
-            seating.holder,
-            seating.waiting,
-        ):
-            for client in seating.clients:
-                self._post(client, self._seat(client))
-
-    def _seat(self, client: int) -> tells.Seating:
-        seating = self._seating
-        mine, waits = seating.holder == client, client in seating.waiting
-        seat = "mine" if mine else "waiting" if waits else "free" if seating.holder is None else "taken"
-        return tells.Seating(seat, len(seating.clients) - (seating.holder is not None))
 
     def _order(self, client: int, said: Any) -> None:
         if isinstance(said, Fly) and self._stock.attached is None:
@@ -262,6 +237,9 @@ class Deck:
                 ready: Any = Ready(fly, scene, scene.init(), self._stock.tape(fly, scene.about))
             except FledgeError as error:
                 ready = error
+            except Exception as error:  # else everybody would wait for ever
+                logger.exception("a flight that cannot be prepared")
+                ready = FledgeError(f"it cannot be flown, by a fault of ours: {error}")
             self.hear(client, ready)
 
         self._stock.clerk.submit(prepare)
@@ -282,8 +260,7 @@ class Deck:
 
     def _tick(self) -> None:
         assert self._scene is not None
-        spoken = self._seats.say(self._seating, time.monotonic())
-        self._memory, self._shown = self._scene.tick(self._memory, spoken)
+        self._memory, self._shown = self._scene.tick(self._memory, self._usher.say())
         self.ticks += 1
         self._pace.step()
         self._record(self._shown)
@@ -318,17 +295,10 @@ class Deck:
 
     def _change(self, state: str) -> None:
         self._state = state
-        self._pace = _Pace()
+        self._pace = Pace()
         self._post(None, self._flight())
 
     # What pages are shown.
-
-    def _answered(self, sticks: list[float]) -> None:
-        """The command that answers these sticks is out."""
-        now = time.monotonic()
-        for at in sticks:
-            self._answers.append(1e3 * (now - at))
-            self._all_answers.append(1e3 * (now - at))
 
     def _flight(self) -> tells.Flight:
         return self._stock.flight(self._state, self._fly, self._scene)
@@ -338,14 +308,14 @@ class Deck:
         if self._shown is None or self._scene is None or now < self._due:
             return
         self._due = max(self._due + 1.0 / PICTURES, now)
-        seating = self._seating
+        seating = self._usher.seating
         told = frame(self._shown, self._scene.about, self._scene.halts(self._memory))
         told = replace(
             told,
             rows=self._tape.rows if self._tape is not None else 0,
             factor=self._pace.factor(),
-            silent=now - seating.heard if seating.heard > -inf else None,
-            answer=median(self._answers) if self._answers else None,
+            silent=self._usher.silent,
+            answer=self._answers.lately,
         )
         for client in seating.clients:
             mine = client == seating.holder and seating.sticks is not None
@@ -356,20 +326,13 @@ def _newest(sticks: Any) -> dict[str, Any]:
     return {"sequence": sticks.sequence, "stamp": sticks.stamp}
 
 
-class _Pace:
-    """How much flight time passes in real time, over the last second or so."""
-
-    def __init__(self) -> None:
-        self._ticks = 0
-        self._marks: deque[tuple[float, int]] = deque([(time.monotonic(), 0)], maxlen=100)
-
-    def step(self) -> None:
-        """One tick more."""
-        self._ticks += 1
-        if self._ticks % 2 == 0:
-            self._marks.append((time.monotonic(), self._ticks))
-
-    def factor(self) -> float:
-        """Flight time over real time."""
-        (begin, first), (end, last) = self._marks[0], self._marks[-1]
-        return (last - first) * PERIOD / 1e9 / (end - begin) if end > begin else 1.0
+@contextmanager
+def _undisturbed() -> Iterator[None]:
+    """Other threads yield soon, and what was there before a flight is no garbage during it."""
+    before = sys.getswitchinterval()
+    sys.setswitchinterval(SWITCH)
+    try:
+        yield
+    finally:
+        sys.setswitchinterval(before)
+        gc.unfreeze()

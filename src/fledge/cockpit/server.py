@@ -81,6 +81,7 @@ class Cockpit:
             ws_per_message_deflate=False,  # a frame is small, and compressing it takes the time of a tick
             h11_max_incomplete_event_size=16 * LONGEST_NAME + 8192,
             timeout_graceful_shutdown=2,
+            log_config=None,  # else uvicorn closes every handler that the process had
             log_level="warning",
             access_log=False,
             server_header=False,
