@@ -143,7 +143,7 @@ def test_a_person_takes_off_follows_the_ugvs_for_half_a_minute_and_lands(tab):
     tab.start("person", "twin")
     tab.until(lambda: tab.frames[-1]["note"] == "fly", within=90.0)
     views = tab.follow(30.0)
-    assert len(views) > 300 and all(views)
+    assert len(views) > 300 and all(views), [i for i, seen in enumerate(views) if not seen]
     assert tab.uav["commander"] == "person" and tab.frames[-1]["note"] == "fly"
     assert tab.page.get_attribute("#commander", "data-value") == "person"
     tab.press(LAND, 0.5)
@@ -204,9 +204,10 @@ def test_a_climb_is_demonstrated_watched_and_learnt_from(tab, server):
 
     page.click("nav [data-view=watch]")
     page.click("[data-flight='climb-002']")
-    page.wait_for_selector("#scrub")
+    page.wait_for_load_state("networkidle")  # the list chooses its first flight by itself
+    tab.until(lambda: int(page.get_attribute("#scrub", "max")) == flight.rows - 1)
     page.fill("#scrub", "40")
-    assert page.get_attribute("#clock", "data-value") == "40"
+    tab.until(lambda: page.get_attribute("#clock", "data-value") == "40")
     page.click("#play")
     tab.until(lambda: int(page.get_attribute("#clock", "data-value")) > 50)
 
