@@ -123,9 +123,13 @@ class Visitor:
         self.say(fly)
         self.until(lambda: len(self.frames) > known and self.uav.mode == "READY" and self.frame.t < 60.0)
         if armed:
-            self.hold(arm=True)
-            self.until(lambda: self.uav.mode not in ("INIT", "READY"))
+            self.until(self._arms)
         return self
+
+    def _arms(self):
+        """As a page does: armed from READY on; where that was too early, anew."""
+        self.hold(arm=self.uav.mode != "INIT")
+        return self.uav.mode not in ("INIT", "READY")
 
     def _listen(self):
         try:

@@ -129,7 +129,8 @@ def test_what_is_thrown_away_or_begun_anew_leaves_nothing(server, visitor):
     visitor.until(lambda: visitor.frame.rows > 5)
     visitor.hold(arm=False)
     visitor.say(Reset())
-    visitor.until(lambda: visitor.frame.t < 0.5 and visitor.frame.rows == 0)
+    visitor.until(lambda: state(visitor) == "none")
+    visitor.until(lambda: state(visitor) == "running" and visitor.frame.rows == 0)
     visitor.say(Discard())
     visitor.until(lambda: state(visitor) == "over")
     assert sorted((server.folder / "demos").iterdir()) == before

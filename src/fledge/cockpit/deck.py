@@ -42,6 +42,7 @@ SWITCH = 0.0005
 TIDY = 1000
 """Ticks from one collection of all garbage to the next."""
 PERSON_ONLY = "take the operator's seat first"
+PREPARING = "a flight is being prepared: wait for it"
 UNSAVED = "a recording waits: keep it or throw it away first"
 
 logger = logging.getLogger(__name__)
@@ -202,6 +203,8 @@ class Deck:
             self._stock.teach(said)
         elif isinstance(said, asks.Cancel):
             self._stock.school.cancel()
+        elif self._preparing:
+            raise FledgeError(PREPARING)
         elif self._fly is None:
             raise FledgeError("nothing is being flown: start a flight first")
         elif self._stock.attached is not None:
@@ -227,7 +230,7 @@ class Deck:
         if self._tape is not None:
             raise FledgeError(UNSAVED)
         if self._preparing:
-            raise FledgeError("a flight is being prepared: wait for it")
+            raise FledgeError(PREPARING)
         self._preparing = True
         self._change("none")
 
