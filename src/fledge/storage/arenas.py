@@ -22,7 +22,6 @@ Vehicles fly by what stands here, so a file is read strictly: a key that is unkn
 """
 
 import tomllib
-from collections.abc import Collection
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +29,7 @@ from fledge import room
 from fledge.errors import FledgeError, OutOfRange
 from fledge.geometry import Box
 from fledge.storage.atomic import AnyPath, reading
-from fledge.storage.records import shown
+from fledge.storage.records import check_keys, shown
 from fledge.world import Arena, Obstacle, check_arena
 
 FARTHEST = 50.0
@@ -54,7 +53,7 @@ def read_arena(path: AnyPath) -> Arena:
 
 
 def _arena(file: dict[str, Any]) -> Arena:
-    _check_keys("an arena", file, ("bounds",), ("name", "obstacle"))
+    check_keys("an arena", file, ("bounds",), ("name", "obstacle"))
     name, obstacles = file.get("name", ""), file.get("obstacle", [])
     if not isinstance(name, str):
         raise FledgeError(f"name is {shown(name)}: valid is text")
@@ -71,7 +70,7 @@ def _arena(file: dict[str, Any]) -> Arena:
 def _block(name: str, table: Any, top: str) -> tuple[Box, float]:
     """The rectangle and the height, called `top`, that a table tells of."""
     keys = (*EDGES, top)
-    _check_keys(name, table, keys)
+    check_keys(name, table, keys)
     *edges, height = (_metres(f"{key} of {name}", table[key]) for key in keys)
     return Box(*edges), height
 
@@ -80,14 +79,3 @@ def _metres(name: str, value: Any) -> float:
     if type(value) not in (int, float) or not -FARTHEST <= value <= FARTHEST:
         raise OutOfRange(name, shown(value), f"a number from {-FARTHEST:g} to {FARTHEST:g}")
     return float(value)
-
-
-def _check_keys(name: str, table: Any, needed: Collection[str], optional: Collection[str] = ()) -> None:
-    if not isinstance(table, dict):
-        raise FledgeError(f"{name} is {shown(table)}: valid is a table with {', '.join(needed)}")
-    for key in table:
-        if key not in (*needed, *optional):
-            raise FledgeError(f"{name} has {key!r}: valid are {', '.join((*needed, *optional))}")
-    for key in needed:
-        if key not in table:
-            raise FledgeError(f"{name} has no {key}: valid is one with {', '.join(needed)}")

@@ -32,7 +32,7 @@ from fledge.errors import FledgeError, OutOfRange
 from fledge.safety.contract import Contract, UavStop, UgvStop
 from fledge.safety.terms import Terms
 from fledge.storage.atomic import AnyPath, reading, write
-from fledge.storage.records import shown
+from fledge.storage.records import check_keys, shown
 
 UNITS = {
     **{name: "s" for name in ("period", "age", "latency", "hold_over", "silence", "lag")},
@@ -62,7 +62,7 @@ def read_contract(path: AnyPath) -> Terms:
     """
     with reading(path, "a contract"):
         file = tomllib.loads(Path(path).read_bytes().decode())
-        _check_keys("a contract", file, tuple(PARTS), ("name", "found"))
+        check_keys("a contract", file, tuple(PARTS), ("name", "found"))
         if not isinstance(file["ugv"], list):
             raise FledgeError(f"ugv is {shown(file['ugv'])}: valid is a table under [[ugv]] for each")
         ugvs = tuple(_record(UgvStop, f"ugv {i}", one) for i, one in enumerate(file["ugv"], start=1))
@@ -120,7 +120,7 @@ def _said(value: Any) -> str:
 def _record(kind: Any, name: str, table: Any) -> Any:
     """A record of its table."""
     names = [field.name for field in fields(kind)]
-    _check_keys(name, table, tuple(_key(one) for one in names))
+    check_keys(name, table, tuple(_key(one) for one in names))
     return kind(**{one: _number(name, one, table[_key(one)]) for one in names})
 
 
@@ -145,14 +145,3 @@ def _check(terms: Terms) -> None:
             f"a period of {c.period:g} s and a lag of {terms.uav.lag:g} s: valid is more than 0, the period "
             "no longer than age and latency together"
         )
-
-
-def _check_keys(name: str, table: Any, needed: tuple[str, ...], optional: tuple[str, ...] = ()) -> None:
-    if not isinstance(table, dict):
-        raise FledgeError(f"{name} is {shown(table)}: valid is a table with {', '.join(needed)}")
-    for key in table:
-        if key not in (*needed, *optional):
-            raise FledgeError(f"{name} has {key!r}: valid are {', '.join((*needed, *optional))}")
-    for key in needed:
-        if key not in table:
-            raise FledgeError(f"{name} has no {key}: valid is one with {', '.join(needed)}")

@@ -5,7 +5,7 @@ they are written as the strings "NaN", "Infinity" and "-Infinity", as protobuf's
 stays strict JSON and no number is lost.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from dataclasses import fields, is_dataclass
 from functools import cache
 from typing import Any, get_args, get_origin, get_type_hints
@@ -84,3 +84,19 @@ def shown(value: Any) -> str:
     """A value in an error: its beginning will do."""
     text = repr(value)
     return text if len(text) <= 40 else f"{text[:37]}..."
+
+
+def check_keys(name: str, table: Any, needed: Collection[str], optional: Collection[str] = ()) -> None:
+    """See that something read from a file is a table with these keys and no others.
+
+    Raises:
+        FledgeError: it is not; names what it has, and what is valid.
+    """
+    if not isinstance(table, dict):
+        raise FledgeError(f"{name} is {shown(table)}: valid is a table with {', '.join(needed)}")
+    for key in table:
+        if key not in (*needed, *optional):
+            raise FledgeError(f"{name} has {key!r}: valid are {', '.join((*needed, *optional))}")
+    for key in needed:
+        if key not in table:
+            raise FledgeError(f"{name} has no {key}: valid is one with {', '.join(needed)}")
