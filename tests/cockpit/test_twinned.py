@@ -134,6 +134,18 @@ def test_on_the_pad_it_waits_for_somebody_to_arm(served):
 
 
 @pytest.mark.slow
+def test_arming_that_came_too_early_counts_once_it_was_let_go(undrawn):
+    flown = Flown(Servo())
+    flown.go("too early", 2.0)
+    early = flown.stages["too early"]
+    assert early[-1].note == "wait" and not any(one.armable for one in early) and M.AUTO not in modes(early)
+    flown.go("let go", 0.1, arm=0.0)
+    assert flown.stages["let go"][-1].armable
+    flown.until("up", "take-off", within=1.0)
+    flown.scene.close()
+
+
+@pytest.mark.slow
 def test_armed_it_takes_off_and_the_pilot_flies(served):
     up, servo = served.stages["up"], served.stages["servo"]
     notes = [one.note for one in up]

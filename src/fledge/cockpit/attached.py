@@ -156,6 +156,7 @@ def _shown(glance: Glance, about: Flight, silent: bool) -> Shown:
         row=None,
         flown=False,
         over=glance.phase == Phase.OVER,
+        armable=not glance.complaint,
         note=note,
     )
 

@@ -41,6 +41,8 @@ class Shown(NamedTuple):
     """Whether that was the pilot's."""
     over: bool
     """Whether the manoeuvre is."""
+    armable: bool = True
+    """Whether arming counts, as far as it is not the supervisor's to say."""
     battery: float | None = None
     """What is left, as a share; None if nobody knows."""
     note: str = ""

@@ -29,6 +29,7 @@ def frame(shown: Shown, about: Flight, halts: Sequence[Halt] = ()) -> Frame:
         vehicles,
         Picture(u, v, radius, about.ideal_radius, marks),
         over=shown.over,
+        armable=shown.armable,
         battery=shown.battery,
         note=shown.note,
     )

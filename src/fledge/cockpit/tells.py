@@ -138,6 +138,8 @@ class Frame:
     """Recorded so far."""
     over: bool = of(flag, False)
     """Whether the manoeuvre is."""
+    armable: bool = of(flag, True)
+    """Whether arming counts, as far as it is not the supervisor's to say."""
     factor: float = of(_FAR, 1.0)
     """Flight time over real time, as measured."""
     battery: float | None = of(or_null(number(0.0, 1.0)), None)

@@ -123,6 +123,7 @@ class Twinned:
             row,
             flown,
             said.phase is Phase.OVER,
+            controlling.cleared,
             twin.battery,
             said.complaint or said.phase.value,
         )

@@ -16,7 +16,8 @@ export function startCommand(link, sticks, orders) {
     for (const id of Object.keys(ORDERS)) $(id).disabled = !isFlying;
     $("terminate").disabled = !sticks.isSending;
     $("arm").disabled = !sticks.canArm;
-    say($("arm-label"), FLYING.has(mode) ? "Armed" : mode === "INIT" ? "Getting ready" : "Arm");
+    const isComing = sticks.isSending && ["INIT", "READY"].includes(mode) && !sticks.canArm;
+    say($("arm-label"), FLYING.has(mode) ? "Armed" : isComing ? "Getting ready" : "Arm");
   };
   for (const kind of ["frame", "flight", "seat", "closed"]) link.on(kind, allow);
   document.addEventListener("visibilitychange", allow);

@@ -4,7 +4,8 @@
 // server misses them after 0.4 s and brakes.
 //
 // **Arming.** A vehicle must have been seen disarmed before it is armed, and one that flies stays armed whoever takes
-// the seat. So `arm` follows the UAV's mode, but for the moment between a person's wish and the first motion.
+// the seat. So `arm` follows the UAV's mode, but for the moment between a person's wish and the first motion. A wish that
+// nothing came of is forgotten, so that the vehicle is seen disarmed again and a person may wish anew.
 //
 // **Stop** does not end a person's own flying, as the supervisor has it; so after it the sticks are dead until they
 // have been in the middle.
@@ -13,6 +14,7 @@ import { AXES, FLYING } from "./words.js";
 
 const RATE = 60; // [Hz]
 const CENTRED = 0.1; // as the supervisor's `neutral`
+const WISH = 1_000; // [ms] after which it is forgotten; chosen: a take-off is under way within two ticks
 const DEAF = 2_000; // [ms] after which a server that hears nothing is asked for the seat anew
 const FLAGS = ["switch", "hand_back", "stop", "dead_man", "land", "terminate"];
 
@@ -23,7 +25,7 @@ export class Sticks {
   #link;
   #orders;
   #devices;
-  #isWished = false;
+  #wished = -Infinity; // when
   #isDead = false;
   #sequence = 0;
   #heard = { sequence: -1, at: 0 };
@@ -34,7 +36,7 @@ export class Sticks {
     this.#orders = orders;
     this.#devices = devices;
     link.on("frame", (frame) => this.#see(frame));
-    link.on("flight", () => (this.#isWished = false));
+    link.on("flight", () => (this.#wished = -Infinity));
     link.on("seat", () => (this.#heard.at = performance.now()));
     setInterval(() => this.#tick(), 1_000 / RATE);
   }
@@ -48,8 +50,9 @@ export class Sticks {
   }
 
   get canArm() {
-    const vehicles = this.#link.latest.frame?.vehicles;
-    return this.isSending && vehicles?.[0].mode === "READY" && vehicles.every(({ mode }) => mode !== "INIT");
+    const { vehicles, armable } = this.#link.latest.frame ?? {};
+    const isReady = armable && vehicles[0].mode === "READY" && vehicles.every(({ mode }) => mode !== "INIT");
+    return this.isSending && isReady;
   }
 
   counts(axis) {
@@ -57,11 +60,11 @@ export class Sticks {
   }
 
   arm() {
-    if (this.canArm) this.#isWished = true;
+    if (this.canArm) this.#wished = performance.now();
   }
 
   #see({ vehicles, sequence }) {
-    if (vehicles[0].mode !== "READY") this.#isWished = false;
+    if (vehicles[0].mode !== "READY") this.#wished = -Infinity;
     if (sequence !== this.#heard.sequence) this.#heard = { sequence, at: performance.now() };
   }
 
@@ -92,7 +95,7 @@ export class Sticks {
       stamp: now,
       vehicle: this.vehicle,
       axes: AXES.map((axis) => this.axes[axis]),
-      arm: FLYING.has(mode) || (mode === "READY" && this.#isWished),
+      arm: FLYING.has(mode) || (mode === "READY" && now - this.#wished < WISH),
       ...Object.fromEntries(FLAGS.map((flag) => [flag, this.#orders.says(flag)])),
     });
   }
