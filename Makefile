@@ -26,12 +26,12 @@ lab-study: $(SYNCED) ## fly the lab's twin with the policy of make reproduce (qu
 	$(BIN)/fledge lab-study report/policies/primitive.onnx --out report-lab
 
 test: $(SYNCED) ## run every test; fail below 95 % of lines covered
-	@$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup --cov --cov-report=term --cov-fail-under=95
+	@$(BIN)/python -m pytest -n $(JOBS) --cov --cov-report=term --cov-fail-under=95
 
 check: $(SYNCED) types ## look at style and types and run the fast tests, in under two minutes
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
-	$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup -m "not slow"
+	$(BIN)/python -m pytest -n $(JOBS) -m "not slow"
 
 mutations: $(SYNCED) ## delete each clause of the nets; a test must fail every time (half an hour)
 	$(BIN)/python tests/mutate.py
