@@ -32,18 +32,31 @@ CLAUSES: dict[str, list[tuple[str, str]]] = {
         (" + stop.spin * spin", ""),
         # The UGV's stop.
         ("age + contract.latency + contract.period", "0.0 * age"),
-        ("maximum(v + contract.velocity_error, minimum(high, v + gain))", "v"),
-        ("minimum(v - contract.velocity_error, maximum(low, v - gain))", "v"),
-        ("+ abs(turn) * stop.hold_over", ""),
+        ("maximum(v + contract.velocity_error, minimum(sent.ahead.most, v + gain))", "v"),
+        ("maximum(contract.velocity_error - v, minimum(sent.astern.most, gain - v))", "-v"),
+        ("(reaction + turning / (2.0 * stop.turn_acceleration)) + turned", "(reaction + turning)"),
         ("turning * (reaction + turning / (2.0 * stop.turn_acceleration))", "0.0 * turning"),
-        ("speed * reaction + command * stop.hold_over + braking", "command * stop.hold_over + braking"),
-        ("speed * reaction + command * stop.hold_over + braking", "speed * reaction + braking"),
-        (
-            "speed * reaction + command * stop.hold_over + braking",
-            "speed * reaction + command * stop.hold_over",
-        ),
+        ("speed * reaction + maximum(way, 0.0) + braking", "maximum(way, 0.0) + braking"),
+        ("speed * reaction + maximum(way, 0.0) + braking", "speed * reaction + braking"),
+        ("speed * reaction + maximum(way, 0.0) + braking", "speed * reaction + maximum(way, 0.0)"),
         ("stop.acceleration - contract.disturbance", "stop.acceleration"),
         ("* self.swing", "* 0.0"),
+        # What may still be gone on with.
+        ("where(over, self.newer, self.most)", "where(over, 0.0 * left, self.most)"),
+        ("where(over, lasts, left), where", "left, where"),
+        (
+            "maximum(self.most * maximum(self.left - delay, 0.0), self.newer * hold_over)",
+            "self.newer * hold_over",
+        ),
+        (
+            "maximum(self.most * maximum(self.left - delay, 0.0), self.newer * hold_over)",
+            "self.most * maximum(self.left - delay, 0.0)",
+        ),
+        ("maximum(self.newer, command)),\n        )\n\n    def way", "command),\n        )\n\n    def way"),
+        ("(*self.rests, *later.rests)", "later.rests"),
+        ("(*self.rests, *later.rests)", "self.rests"),
+        ("self.error + (span_x + span_y) * stop.hold_over", "self.error"),
+        ("self.error_up + span_z * stop.hold_over", "self.error_up"),
         # What must be stayed clear of.
         ("(1.0, 0.0, x - b.x_min - radius)", "(1.0, 0.0, x - b.x_min)"),
         ("(-1.0, 0.0, b.x_max - x - radius)", "(-1.0, 0.0, 1e3 + 0.0 * x)"),
@@ -56,6 +69,7 @@ CLAUSES: dict[str, list[tuple[str, str]]] = {
         ("room = gap - 2.0 * error - tube.advance(nx, ny)", "room = gap + 1e3"),
         ("room = gap - 2.0 * error - tube.advance(nx, ny)", "room = gap - 2.0 * error"),
         ("room = where(over, 0.0 * room + FREE, room)", "room = 0.0 * room + FREE"),
+        ("above - uav_tube.error_up - uav_tube.sink()", "above - uav_tube.sink()"),
     ],
     "turns": [
         ("(age >= -contract.period) & ", ""),
@@ -75,9 +89,12 @@ CLAUSES: dict[str, list[tuple[str, str]]] = {
         ("where(stands | _clears(faces, way(0.0, turn)),", "where(_clears(faces, way(0.0, turn)),"),
         ("turning = where(passes | stands, turn, zero)", "turning = where(passes, turn, zero)"),
         ("turning = where(passes | stands, turn, zero)", "turning = turn"),
-        ("tube.moved(velocity * stop.hold_over)", "tube"),
+        ("tube.held_over(axes, stop)", "tube"),
         ("landing = where(age <= 2.0 * net.contract.age, 0.0 * age, -FREE)", "landing = 0.0 * age"),
-        ("commitments[i] = _commitment(net, stop, world.ugvs[i], one, world.t)", "pass"),
+        (
+            "net.contract, stop, world.ugvs[i], one, world.t - world.ugvs[i].stamp",
+            "net.contract, stop, world.ugvs[i], memory.ugvs[i], world.t - world.ugvs[i].stamp",
+        ),
         ("clip(proposed.forward, -stop.most, stop.most), clip", "proposed.forward, clip"),
     ],
     "stop_tube": [

@@ -5,15 +5,32 @@ from math import cos, pi, sin
 
 import pytest
 from aloft import HALL, SPREAD, world
+from hypothesis import given
+from hypothesis import strategies as st
 
 from fledge.dynamics import P3_DX
 from fledge.geometry import Box, Heading, Vec3
 from fledge.safety import Contract, UavStop, UgvStop
-from fledge.safety.tube import Sent, UgvTube, side_of_box, uav_faces, uav_tube, ugv_faces, ugv_tube, within
+from fledge.safety.tube import (
+    Held,
+    Sent,
+    UavTube,
+    UgvSent,
+    UgvTube,
+    side_of_box,
+    uav_faces,
+    uav_tube,
+    ugv_commitment,
+    ugv_faces,
+    ugv_tube,
+    within,
+)
 from fledge.world import Obstacle, Reason, UgvState, VelocityCommand
 
 C, UAV, UGV = Contract(), UavStop(), UgvStop.of(P3_DX)
 NOTHING = Sent.nothing(C, 0.0)
+NO_ORDERS = UgvSent.nothing(0.0)
+LASTS = UGV.hold_over + C.age + C.latency
 SHARE = 0.0488
 
 
@@ -22,6 +39,14 @@ def sent(*commands: float) -> Sent:
     line = NOTHING
     for command in commands:
         line = line.then(command, SHARE)
+    return line
+
+
+def ordered(*speeds: float, turn: float = 0.0) -> UgvSent:
+    """What a UGV was sent, oldest first."""
+    line = NO_ORDERS
+    for speed in speeds:
+        line = line.then(C, UGV, speed, turn)
     return line
 
 
@@ -48,9 +73,65 @@ def test_a_filter_remembers_beyond_its_line():
     assert 0.0 < pending(line, 0.0)[1] < SHARE
 
 
-def test_largest_is_over_the_whole_delay():
-    assert sent(*[0.0] * 20, 0.4, -0.2, 0.1).largest() == (-0.2, 0.4)
-    assert sent(0.9, *[0.0] * 10).largest() == (0.0, 0.0)
+def test_the_span_is_over_the_whole_delay():
+    assert sent(*[0.0] * 20, 0.4, -0.2, 0.1).span() == pytest.approx(0.6)
+    assert sent(0.9, *[0.0] * 10).span() == 0.0
+
+
+@given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=200))
+def test_what_is_held_bounds_whatever_may_still_be_gone_on_with(commands):
+    held = Held.nothing(0.0)
+    for command in commands:
+        held = held.then(command, C.period, LASTS)
+    delay = C.age + C.latency
+    for age, command in enumerate(reversed(commands)):
+        left = LASTS - age * C.period
+        if left > 1e-9:
+            assert held.most >= command
+            assert held.way(delay, UGV.hold_over) >= command * (left - delay) - 1e-9
+    assert held.most <= max(0.0, *commands)
+
+
+def test_a_stop_is_over_once_nothing_older_can_be_gone_on_with():
+    ticks = round(LASTS / C.period)
+    going, standing = ordered(*[0.4] * 50, *[0.0] * (ticks - 2)), ordered(*[0.4] * 50, *[0.0] * (ticks + 2))
+    assert going.ahead.most == 0.4 and standing.ahead.most == 0.0
+
+
+def test_what_was_sent_instead_counts_as_sent():
+    assert ordered(0.1).also(C, UGV, -0.3, 0.2) == ordered(0.1)._replace(
+        astern=Held(0.3, LASTS, 0.0), turning=Held(0.2, LASTS, 0.0)
+    )
+
+
+def test_who_was_told_to_stop_may_not_have_heard_it():
+    """Nothing but the clock ends what a UGV goes on with."""
+    ugv = UgvState(0.0, 0.0, 0.0, 0.4, 0.0, 0.0)
+    told = [ordered(*[0.4] * 80, *[0.0] * n) for n in (0, 1, 30)]
+    go, *stops = (ugv_commitment(C, UGV, ugv, one, C.age) for one in told)
+    assert go.ahead == pytest.approx(ugv_tube(C, UGV, ugv, told[0], C.age, 0.4, 0.0).ahead)
+    assert [go.ahead - stop.ahead for stop in stops] == pytest.approx([0.4 * 0.01, 0.4 * 0.3])
+
+
+def test_so_it_is_with_a_turn():
+    ugv = UgvState(0.0, 0.0, 0.0, 0.0, 0.5, 0.0)
+    turned = ordered(*[0.0] * 80, turn=0.5).then(C, UGV, 0.0, 0.0)
+    still = ordered(*[0.0] * 80)
+    more = [ugv_commitment(C, UGV, ugv, one, 0.0).swing for one in (turned, still)]
+    assert more[0] - more[1] == pytest.approx(0.5 * (UGV.hold_over - C.period))
+
+
+@pytest.mark.parametrize("missed", (0, 1, 3, 5))
+def test_a_uav_may_not_have_heard_its_newest_commands(missed):
+    """It goes on with the last that it heard for 50 ms in all."""
+    east, up = sent(*[0.8] * 300, *[-0.6] * missed), sent(*[0.3] * 300, *[0.0] * missed)
+    tube = UavTube((Vec3(0.0, 0.0, 0.0),), 0.1, 0.1).held_over((east, NOTHING, up), UAV)
+    # What it really does, over what it would do if it heard all and hovered from now on.
+    x = 0.8 * UAV.hold_over + 0.6 * C.period * missed
+    z = 0.3 * UAV.hold_over
+    assert tube.advance(1.0, 0.0) + tube.error >= x + 0.1 - 1e-9
+    assert tube.rise() + tube.error_up >= z + 0.1 - 1e-9
+    assert tube.advance(-1.0, 0.0) + tube.error >= 0.1
 
 
 def test_a_resting_uav_rests():
@@ -73,7 +154,7 @@ def test_a_uav_under_way_goes_on_by_its_speed_and_by_what_is_pending():
 
 def test_a_ugv_that_stands_is_told_apart_from_one_that_goes_on():
     ugv = UgvState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    stop, go = (ugv_tube(C, UGV, ugv, NOTHING, 0.0, v, 0.0) for v in (0.0, 0.4))
+    stop, go = (ugv_tube(C, UGV, ugv, NO_ORDERS, 0.0, v, 0.0) for v in (0.0, 0.4))
     braking = UGV.acceleration - C.disturbance
     assert go.ahead - stop.ahead == pytest.approx(
         0.4 * UGV.hold_over + (0.4**2 - 0.1**2) / (2 * braking), abs=1e-6
@@ -90,7 +171,7 @@ def test_a_uav_that_turns_misses_by_more():
 def test_the_way_of_a_ugv_is_reaction_and_braking_by_the_contract(way):
     """Seen 40 ms ago at 0.5 m/s, forwards or in reverse, and told to stop."""
     ugv, age = UgvState(0.0, 0.0, 0.0, way * 0.5, 0.0, 0.0), 0.04
-    tube = ugv_tube(C, UGV, ugv, sent(*[way * 0.5] * 20), age, 0.0, 0.0)
+    tube = ugv_tube(C, UGV, ugv, ordered(*[way * 0.5] * 20), age, 0.0, 0.0)
     v = 0.5 + C.velocity_error
     reaction = v * (age + C.latency + C.period)
     ahead, astern = (tube.ahead, tube.astern) if way > 0.0 else (tube.astern, tube.ahead)
@@ -101,8 +182,8 @@ def test_the_way_of_a_ugv_is_reaction_and_braking_by_the_contract(way):
 @pytest.mark.parametrize("way", (1.0, -1.0))
 def test_a_ugv_may_still_chase_what_it_was_told_before(way):
     ugv = UgvState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    chasing = ugv_tube(C, UGV, ugv, sent(way * 0.6, 0.0), 0.0, 0.0, 0.0)
-    resting = ugv_tube(C, UGV, ugv, NOTHING, 0.0, 0.0, 0.0)
+    chasing = ugv_tube(C, UGV, ugv, ordered(way * 0.6, 0.0), 0.0, 0.0, 0.0)
+    resting = ugv_tube(C, UGV, ugv, NO_ORDERS, 0.0, 0.0, 0.0)
     gained = C.velocity_error + UGV.acceleration * (C.latency + C.period)
     further = [(one.ahead, one.astern)[way < 0.0] for one in (chasing, resting)]
     braking = 2.0 * (UGV.acceleration - C.disturbance)
@@ -113,7 +194,7 @@ def test_a_ugv_may_still_chase_what_it_was_told_before(way):
 def test_a_nose_swings_as_long_as_its_turning_takes_to_die_down():
     """Seen turning at 0.5 rad/s, told to turn on at 0.4."""
     ugv, reaction = UgvState(0.0, 0.0, 0.0, 0.0, 0.5, 0.0), C.latency + C.period
-    tube = ugv_tube(C, UGV, ugv, NOTHING, 0.0, 0.0, 0.4)
+    tube = ugv_tube(C, UGV, ugv, NO_ORDERS, 0.0, 0.0, 0.4)
     turning = 0.5 + C.rate_error + UGV.turn_acceleration * reaction
     swing = turning * (reaction + turning / (2.0 * UGV.turn_acceleration)) + 0.4 * UGV.hold_over
     assert tube.swing == pytest.approx(swing + C.angle_error)
@@ -122,7 +203,7 @@ def test_a_nose_swings_as_long_as_its_turning_takes_to_die_down():
 def test_another_ugv_is_as_near_as_its_own_stop_may_bring_it():
     me, other = UgvState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), UgvState(3.0, 0.0, pi, 0.3, 0.0, 0.0)
     uav = (UAV, world().uav, uav_tube(C, UAV, world().uav, (NOTHING,) * 3, 0.0, 0.0))
-    towards = ugv_tube(C, UGV, other, NOTHING, 0.0, 0.0, 0.0)
+    towards = ugv_tube(C, UGV, other, NO_ORDERS, 0.0, 0.0, 0.0)
     *_, face, _ = ugv_faces(C, UGV, HALL, me, ((UGV, other, towards),), uav)
     assert face.gap == pytest.approx(3.0 - 2.0 * UGV.radius)
     assert face.room == pytest.approx(face.gap - 2.0 * C.position_error - towards.ahead)
@@ -139,7 +220,7 @@ def test_a_ugv_goes_along_its_nose_as_far_as_it_may_turn():
 
 def test_really_turning_goes_no_farther_than_that():
     ugv = UgvState(0.0, 0.0, 0.3, 0.5, 0.4, 0.0)
-    tube = ugv_tube(C, UGV, ugv, sent(*[0.5] * 20), 0.0, 0.5, 0.8)
+    tube = ugv_tube(C, UGV, ugv, ordered(*[0.5] * 20), 0.0, 0.5, 0.8)
     model, state = replace(P3_DX, acceleration=UGV.acceleration - C.disturbance), ugv
     for step in range(2000):
         t = 0.002 * step

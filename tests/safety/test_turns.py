@@ -149,6 +149,43 @@ def test_two_ugvs_do_not_meet_and_both_can_part_again(net):
 
 
 @BOTH
+def test_who_was_told_to_stop_is_given_way_until_it_must_have_stopped(net):
+    """Its link may be lost; then it goes on, 24 cm farther than if it had heard."""
+
+    def nearest(stops):
+        """How near [m] another may come that was standing, after so many ticks in which the first was told to stop."""
+        return min(x for x in (1.0 + 0.01 * i for i in range(200)) if _may_approach(net, x, stops))
+
+    heard, unheard = nearest(80), nearest(1)
+    assert unheard - heard == pytest.approx(0.4 * net.ugvs[0].hold_over, abs=0.03)
+
+
+def _may_approach(net, far, stops):
+    """Whether a UGV may come towards one that goes at 0.4 m/s and was told to stop so many ticks ago."""
+    memory, goes = None, VelocityCommand(0.4, 0.0, 0.0, 0.0)
+    for tick in range(stops + 81):
+        t = 0.01 * tick
+        seen = world(ugvs=((0.0, 3.0, 0.0), (far, 3.0, pi), (-3.0, -3.0, 0.0)), t=t)
+        first = replace(seen.ugvs[0], speed=0.4)
+        seen = replace(seen, ugvs=(first, *seen.ugvs[1:]))
+        comes = replace(goes, forward=0.2) if tick == stops + 80 else HOVER
+        told = Commands(HOVER, (goes if tick < 80 else HOVER, comes, HOVER))
+        memory, verdicts = net.filter(memory or net.init(HALL, seen), seen, told)
+    return verdicts[2].command == comes
+
+
+@BOTH
+def test_a_ugv_does_not_drive_under_a_uav_that_may_sink_onto_it(net):
+    """However still it hovers: a push may move it as far as the contract says."""
+    tall, low = net.ugvs[0].height, net.uav.half_height
+    forth = VelocityCommand(0.3, 0.0, 0.0, 0.0)
+    for above, passes in ((0.25, True), (0.10, False)):
+        seen = world((0.0, 0.0, tall + low + above), ((-1.2, 0.0, 0.0), *SPREAD[1:]))
+        _, verdicts = net.filter(net.init(HALL, seen), seen, Commands(HOVER, (forth, HOVER, HOVER)))
+        assert (verdicts[1].command == forth) == passes
+
+
+@BOTH
 def test_a_ugv_does_not_drive_under_a_uav_that_comes_down(net):
     ugvs = ((-2.0, 0.0, 0.0), (3.0, -3.0, 0.0), (3.0, 3.0, 0.0))
     down = VelocityCommand(0.0, 0.0, -0.5, 0.0)

@@ -68,7 +68,7 @@ class Barrier(AbstractNet):
 
     def overruled(self, memory: Memory, world: WorldState, instead: Commands) -> Memory:
         """What was really sent is what the next stop begins with."""
-        return sent_instead(memory, world, instead)
+        return sent_instead(self, memory, world, instead)
 
     def halts(self, memory: Memory, world: WorldState) -> tuple[Halt, ...]:
         """By what it remembers having sent."""

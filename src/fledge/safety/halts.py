@@ -2,8 +2,8 @@
 
 from fledge.safety.base import Halt
 from fledge.safety.contract import UgvStop
-from fledge.safety.tube import uav_tube, ugv_tube
-from fledge.safety.turns import Deciding, Memory, UgvMemory
+from fledge.safety.tube import UgvSent, uav_tube, ugv_tube
+from fledge.safety.turns import Deciding, Memory
 from fledge.scalars import Scalar, maximum, where
 from fledge.world import UgvState, WorldState
 
@@ -17,10 +17,10 @@ def halts(net: Deciding, memory: Memory, world: WorldState) -> tuple[Halt, ...]:
     return (first, *(_ugv(net, stop, ugv, one, world.t) for stop, ugv, one in others))
 
 
-def _ugv(net: Deciding, stop: UgvStop, ugv: UgvState, memory: UgvMemory, t: Scalar) -> Halt:
+def _ugv(net: Deciding, stop: UgvStop, ugv: UgvState, sent: UgvSent, t: Scalar) -> Halt:
     """In the middle between the shortest and the longest way to rest."""
     c, v = net.contract, ugv.speed
-    tube = ugv_tube(c, stop, ugv, memory.sent, t - ugv.stamp, 0.0, 0.0)
+    tube = ugv_tube(c, stop, ugv, sent, t - ugv.stamp, 0.0, 0.0)
     surely = maximum(abs(v) - c.velocity_error, 0.0)
     least = surely * surely / (2.0 * (stop.acceleration + c.disturbance))
     x, y = tube.nose.to_world(0.5 * (tube.ahead - tube.astern + where(v < 0.0, -least, least)), 0.0)

@@ -74,9 +74,20 @@ class UavTube(NamedTuple):
         """The stop after something more [m]."""
         return self._replace(rests=tuple(rest + by for rest in self.rests))
 
+    def held_over(self, sent: "tuple[Sent, Sent, Sent]", stop: UavStop) -> "UavTube":
+        """As others have to see it: any of the newest commands may be the last that is heard, and is gone on with."""
+        x, y, z = (axis.newest[0] for axis in sent)
+        later = self.moved(Vec3(x, y, z) * stop.hold_over)
+        span_x, span_y, span_z = (axis.span() for axis in sent)
+        return UavTube(
+            (*self.rests, *later.rests),
+            self.error + (span_x + span_y) * stop.hold_over,
+            self.error_up + span_z * stop.hold_over,
+        )
+
 
 class UgvTube(NamedTuple):
-    """How far a UGV goes if it is told to stop after its command has been held until its own watchdog ends it."""
+    """How far a UGV goes that has gone on with a command until its own watchdog ended it."""
 
     nose: Heading
     ahead: Scalar
@@ -103,7 +114,7 @@ class UgvTube(NamedTuple):
 
 
 class Sent(NamedTuple):
-    """What was sent to a vehicle along one axis: the newest commands, and those before them as its filter has them."""
+    """What was sent to the UAV along one axis: the newest commands, and those before them as its filter has them."""
 
     newest: tuple[Scalar, ...]
     """[m/s], newest first, as far back as the contract's delay."""
@@ -132,12 +143,77 @@ class Sent(NamedTuple):
             followed = followed + (command - followed) * (share * (1.0 - part))
         return coming, followed
 
-    def largest(self) -> tuple[Scalar, Scalar]:
-        """(the smallest, the largest) of the newest commands [m/s]."""
+    def span(self) -> Scalar:
+        """How far apart the newest commands are [m/s]."""
         low = high = self.newest[0]
         for command in self.newest[1:]:
             low, high = minimum(low, command), maximum(high, command)
-        return low, high
+        return high - low
+
+
+class Held(NamedTuple):
+    """The commands in one direction that a UGV may still be going on with: of newer ones none need have been heard."""
+
+    most: Scalar
+    """The largest of them [m/s or rad/s]."""
+    left: Scalar
+    """[s] for which that may still be so; as measured, so after the contract's delay it is over."""
+    newer: Scalar
+    """The largest of those that were sent after it."""
+
+    @classmethod
+    def nothing(cls, zero: Scalar) -> "Held":
+        """At the start of a flight."""
+        return cls(zero, zero, zero)
+
+    def then(self, command: Scalar, period: float, lasts: float) -> "Held":
+        """One command later, which may be gone on with for so long [s]."""
+        left = self.left - period
+        over = left <= 0.0
+        # Whatever is the largest then was sent earlier; it is as if it was sent now.
+        aged = Held(
+            where(over, self.newer, self.most), where(over, lasts, left), where(over, 0.0 * left, self.newer)
+        )
+        return aged.also(command, lasts)
+
+    def also(self, command: Scalar, lasts: float) -> "Held":
+        """This was sent, too, or instead of the newest."""
+        larger = command >= self.most
+        return Held(
+            maximum(self.most, command),
+            where(larger, lasts, self.left),
+            where(larger, 0.0 * self.left, maximum(self.newer, command)),
+        )
+
+    def way(self, delay: float, hold_over: float) -> Scalar:
+        """How far the UGV may yet go [m or rad] with any of them, after the contract's delay [s]."""
+        return maximum(self.most * maximum(self.left - delay, 0.0), self.newer * hold_over)
+
+
+class UgvSent(NamedTuple):
+    """What was sent to a UGV, as far as it matters yet."""
+
+    ahead: Held
+    astern: Held
+    turning: Held
+    """Either way."""
+
+    @classmethod
+    def nothing(cls, zero: Scalar) -> "UgvSent":
+        """At the start of a flight."""
+        return cls(*(Held.nothing(zero),) * 3)
+
+    def then(self, contract: Contract, stop: UgvStop, forward: Scalar, turn: Scalar) -> "UgvSent":
+        """One command later."""
+        lasts = stop.hold_over + contract.age + contract.latency
+        commands = zip(self, (forward, -forward, abs(turn)), strict=True)
+        return UgvSent(*(held.then(command, contract.period, lasts) for held, command in commands))
+
+    def also(self, contract: Contract, stop: UgvStop, forward: Scalar, turn: Scalar) -> "UgvSent":
+        """This was sent, too, or instead of the newest."""
+        lasts = stop.hold_over + contract.age + contract.latency
+        commands = zip(self, (forward, -forward, abs(turn)), strict=True)
+        return UgvSent(*(held.also(command, lasts) for held, command in commands))
 
 
 def within(periods: Scalar, commands: int) -> list[Scalar]:
@@ -192,38 +268,62 @@ def ugv_tube(
     contract: Contract,
     stop: UgvStop,
     ugv: UgvState,
-    sent: Sent,
+    sent: UgvSent,
     age: Scalar,
     forward: Scalar,
     turn: Scalar,
 ) -> UgvTube:
-    """The stop of a UGV that goes on with a command until its watchdog ends it; (0, 0) is the stop that begins now."""
+    """The stop of a UGV that hears a command and goes on with it until its watchdog ends it; (0, 0) is to stop now."""
+    commands = (forward, -forward, abs(turn))
+    held = tuple((command, command * stop.hold_over) for command in commands)
+    return _ugv_tube(contract, stop, ugv, sent, age, held)
+
+
+def ugv_commitment(contract: Contract, stop: UgvStop, ugv: UgvState, sent: UgvSent, age: Scalar) -> UgvTube:
+    """The stop of a UGV of which nobody knows which of the commands it was sent was the last that it heard."""
+    delay = contract.age + contract.latency
+    held = tuple((one.most, one.way(delay, stop.hold_over)) for one in sent)
+    return _ugv_tube(contract, stop, ugv, sent, age, held)
+
+
+def _ugv_tube(
+    contract: Contract,
+    stop: UgvStop,
+    ugv: UgvState,
+    sent: UgvSent,
+    age: Scalar,
+    held: tuple[tuple[Scalar, Scalar], ...],
+) -> UgvTube:
+    """The stop after going on with a command; `held` has (speed, way) ahead, astern, and of turning."""
     reaction = age + contract.latency + contract.period
-    low, high = sent.largest()
     # Before a command bites the speed may still chase an earlier one.
     gain = contract.velocity_error + stop.acceleration * reaction
     v = ugv.speed
-    fastest = maximum(v + contract.velocity_error, minimum(high, v + gain))
-    slowest = minimum(v - contract.velocity_error, maximum(low, v - gain))
+    fastest = maximum(v + contract.velocity_error, minimum(sent.ahead.most, v + gain))
+    slowest = maximum(contract.velocity_error - v, minimum(sent.astern.most, gain - v))
+    ahead, astern, (turn, turned) = held
     turning = minimum(
         abs(ugv.turn_rate) + contract.rate_error + stop.turn_acceleration * reaction, stop.most_turn
     )
-    turning = maximum(turning, abs(turn))
-    swing = turning * (reaction + turning / (2.0 * stop.turn_acceleration)) + abs(turn) * stop.hold_over
+    turning = maximum(turning, turn)
+    swing = turning * (reaction + turning / (2.0 * stop.turn_acceleration)) + turned
     return UgvTube(
         Heading.of(ugv.heading),
-        _way(contract, stop, reaction, fastest, forward),
-        _way(contract, stop, reaction, -slowest, -forward),
+        _way(contract, stop, reaction, fastest, ahead),
+        _way(contract, stop, reaction, slowest, astern),
         swing + contract.angle_error,
     )
 
 
-def _way(contract: Contract, stop: UgvStop, reaction: Scalar, speed: Scalar, command: Scalar) -> Scalar:
-    """Length of the way [m] in one direction: reaction, command held over, braking."""
-    speed, command = maximum(speed, 0.0), maximum(command, 0.0)
-    top = maximum(speed, command)
+def _way(
+    contract: Contract, stop: UgvStop, reaction: Scalar, speed: Scalar, held: tuple[Scalar, Scalar]
+) -> Scalar:
+    """Length of the way [m] in one direction: reaction, command gone on with, braking."""
+    told, way = held
+    speed = maximum(speed, 0.0)
+    top = maximum(speed, told)
     braking = top * top / (2.0 * (stop.acceleration - contract.disturbance))
-    return speed * reaction + command * stop.hold_over + braking
+    return speed * reaction + maximum(way, 0.0) + braking
 
 
 def wall_faces(arena: Arena, x: Scalar, y: Scalar, radius: float) -> tuple[tuple[float, float, Scalar], ...]:
@@ -327,7 +427,7 @@ def ugv_faces(
     room = gap - error - uav_tube.error - uav_tube.advance(nx, ny)
     above = state.position.z - uav_stop.half_height - stop.height
     # To stay above is the UAV's own affair; it is a UGV's not to drive under one that is coming down.
-    over = above - error - uav_tube.sink() >= 0.0
+    over = above - uav_tube.error_up - uav_tube.sink() >= 0.0
     room = where(over, 0.0 * room + FREE, room)
     faces.append(Face(nx, ny, 0.0, maximum(gap, above), room, Reason.VEHICLE))
     return faces

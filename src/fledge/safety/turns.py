@@ -1,8 +1,9 @@
 """Vehicles decide in turn, each against what the others have committed to: what the stop-tube nets share.
 
-The UAV decides first, then the UGVs in their order. A vehicle's commitment is its stop after the command it was sent
-last, so whoever decides later finds every earlier decision, and of those yet to decide the one before. All commitments
-are disjoint at every moment; that is the whole argument for several vehicles.
+The UAV decides first, then the UGVs in their order. A vehicle's commitment is its stop after whichever of the commands
+it was sent was the last that it heard: to be told to stop is no proof of having heard it. Whoever decides later finds
+every earlier decision, and of those yet to decide the one before. All commitments are disjoint at every moment; that is
+the whole argument for several vehicles.
 
 A net says what is sent to one vehicle, given its faces (`Deciding`); here is the order, the memory, the braking and
 holding that every decision can fall back on, and the verdict.
@@ -20,10 +21,12 @@ from fledge.safety.tube import (
     Face,
     Sent,
     UavTube,
+    UgvSent,
     UgvTube,
     filter_share,
     uav_faces,
     uav_tube,
+    ugv_commitment,
     ugv_faces,
     ugv_tube,
 )
@@ -60,20 +63,12 @@ class UavMemory(NamedTuple):
     """[m]."""
 
 
-class UgvMemory(NamedTuple):
-    """Of a UGV: what it was sent."""
-
-    sent: Sent
-    turn: Scalar
-    """[rad/s] last."""
-
-
 class Memory(NamedTuple):
     """What a net remembers."""
 
     arena: Arena
     uav: UavMemory
-    ugvs: tuple[UgvMemory, ...]
+    ugvs: tuple[UgvSent, ...]
 
 
 class UavTurn(NamedTuple):
@@ -139,7 +134,7 @@ def begin(net: Deciding, arena: Arena, world: WorldState) -> Memory:
     zero = where(isfinite(world.t), 0.0 * world.t, 0.0)
     still = Sent.nothing(net.contract, zero)
     uav = UavMemory((still, still, still), zero, zero, world.uav.position)
-    return Memory(arena, uav, tuple(UgvMemory(still, zero) for _ in world.ugvs))
+    return Memory(arena, uav, (UgvSent.nothing(zero),) * len(world.ugvs))
 
 
 def in_turn(
@@ -149,8 +144,8 @@ def in_turn(
     age = world.t - world.uav.stamp
     tube = uav_tube(net.contract, net.uav, world.uav, memory.uav.sent, memory.uav.spin, age)
     commitments = [
-        _commitment(net, stop, ugv, remembered, world.t)
-        for stop, ugv, remembered in zip(net.ugvs, world.ugvs, memory.ugvs, strict=True)
+        ugv_commitment(net.contract, stop, ugv, sent, world.t - ugv.stamp)
+        for stop, ugv, sent in zip(net.ugvs, world.ugvs, memory.ugvs, strict=True)
     ]
     around = tuple(zip(net.ugvs, world.ugvs, commitments, strict=True))
     faces = uav_faces(net.contract, net.uav, memory.arena, world.uav, tube, around)
@@ -165,13 +160,13 @@ def in_turn(
             net.contract, stop, memory.arena, world.ugvs[i], tuple(others), (net.uav, world.uav, tube)
         )
         one, verdict = _ugv(net, stop, memory.ugvs[i], world.ugvs[i], world.t, commands.ugvs[i], faces)
-        commitments[i] = _commitment(net, stop, world.ugvs[i], one, world.t)
+        commitments[i] = ugv_commitment(net.contract, stop, world.ugvs[i], one, world.t - world.ugvs[i].stamp)
         remembered.append(one)
         verdicts.append(verdict)
     return Memory(memory.arena, uav, tuple(remembered)), tuple(verdicts)
 
 
-def sent_instead(memory: Memory, world: WorldState, instead: Commands) -> Memory:
+def sent_instead(net: Deciding, memory: Memory, world: WorldState, instead: Commands) -> Memory:
     """What was really sent is what the next stop begins with; a UAV that was sent elsewhere holds no point."""
     c, uav = instead.uav, memory.uav
     x, y = world.uav.attitude.heading().to_world(c.forward, c.left)
@@ -185,8 +180,8 @@ def sent_instead(memory: Memory, world: WorldState, instead: Commands) -> Memory
     spin = where(turn, maximum(uav.spin, abs(c.turn)), uav.spin)
     uav = UavMemory(axes, spin, where(level, 0.0 * uav.holding, uav.holding), uav.point)
     ugvs = tuple(
-        where(isfinite(c.forward + c.turn), UgvMemory(ugv.sent.instead(c.forward), c.turn), ugv)
-        for ugv, c in zip(memory.ugvs, instead.ugvs, strict=True)
+        where(isfinite(c.forward + c.turn), sent.also(net.contract, stop, c.forward, c.turn), sent)
+        for stop, sent, c in zip(net.ugvs, memory.ugvs, instead.ugvs, strict=True)
     )
     return Memory(memory.arena, uav, ugvs)
 
@@ -234,7 +229,7 @@ def _uav(
     spin = maximum(memory.spin * (1.0 - net.contract.period / CALMING), abs(sent.turn))
     reason = where(number, where(fresh, tightest.reason, Reason.STALE), Reason.NOT_FINITE)
     memory = memory._replace(sent=axes, spin=spin)
-    return memory, tube.moved(velocity * stop.hold_over), _verdict(proposed, sent, reason, gap)
+    return memory, tube.held_over(axes, stop), _verdict(proposed, sent, reason, gap)
 
 
 def _whole(uav: UavState) -> Scalar:
@@ -296,20 +291,15 @@ def _adrift(faces: list[Face], age: Scalar) -> Vec3:
     return Vec3(clip(x, -DRIFT, DRIFT), clip(y, -DRIFT, DRIFT), clip(z, -DRIFT, DRIFT))
 
 
-def _commitment(net: Deciding, stop: UgvStop, ugv: UgvState, memory: UgvMemory, t: Scalar) -> UgvTube:
-    last = memory.sent.newest[0]
-    return ugv_tube(net.contract, stop, ugv, memory.sent, t - ugv.stamp, last, memory.turn)
-
-
 def _ugv(
     net: Deciding,
     stop: UgvStop,
-    memory: UgvMemory,
+    memory: UgvSent,
     ugv: UgvState,
     t: Scalar,
     proposed: VelocityCommand,
     faces: list[Face],
-) -> tuple[UgvMemory, Verdict]:
+) -> tuple[UgvSent, Verdict]:
     age = t - ugv.stamp
     forward = clip(proposed.forward, -stop.most, stop.most)
     turn = clip(proposed.turn, -stop.most_turn, stop.most_turn)
@@ -317,7 +307,7 @@ def _ugv(
     known = number & fresh & isfinite(ugv.x + ugv.y + ugv.heading + ugv.speed + ugv.turn_rate)
     # Its hull is a disc: as long as it stands it may turn. One that moves may swing its way into something.
     stands = number & (abs(ugv.speed) <= STANDS)
-    way = partial(ugv_tube, net.contract, stop, ugv, memory.sent, age)
+    way = partial(ugv_tube, net.contract, stop, ugv, memory, age)
     turn = where(stands | _clears(faces, way(0.0, turn)), turn, 0.0 * turn)
     way = partial(way, turn=turn)
     go = way(forward)
@@ -326,7 +316,7 @@ def _ugv(
     rooms = [face.room - go.along(share) for face, share in zip(faces, shares, strict=True)]
     tightest, gap = _tightest(faces, rooms)
     passes, chosen = net.decide_ugv(stop, UgvTurn(forward, turn, known, faces, shares, rooms, way))
-    zero = 0.0 * memory.turn
+    zero = 0.0 * memory.turning.most
     passes = passes & isfinite(chosen)
     speed = where(passes, chosen, zero)
     turning = where(passes | stands, turn, zero)
@@ -334,7 +324,7 @@ def _ugv(
     sent = VelocityCommand(speed, proposed.left, proposed.up, turning)
     verdict = _verdict(proposed, sent, reason, gap)
     verdict = Verdict(VelocityCommand(speed, zero, zero, turning), verdict.intervened, verdict.reason, gap)
-    return UgvMemory(memory.sent.then(speed, 1.0), turning), verdict
+    return memory.then(net.contract, stop, speed, turning), verdict
 
 
 def _clears(faces: list[Face], halt: UgvTube) -> Scalar:
