@@ -116,6 +116,7 @@ TOLD = {
         PICTURE,
         COUNT,
         FLAG,
+        FLAG,
         FAR,
         battery=st.none() | SHARE,
         sequence=st.integers(-1, UINT32),

@@ -1,13 +1,12 @@
 """The deck: one flight in real time, whoever watches. The only clock and the only thread of its own in the cockpit.
 
-    wait for the slot -> what pages said -> seat -> 10 ms of the scene -> tape -> what pages are shown
+    wait for the slot -> what pages said -> seat -> 10 ms of the sortie -> what pages are shown
 
 Slots follow each other as in the lab (`pace`); at another speed they are shorter or longer. A slot that comes late is
 missed, counted and never made up for, so flight time falls behind and `Frame.factor` says so. Pages are shown a frame
 30 times a second; one that is slow is shown fewer (`site`), and delays nothing here.
 
-Only who has the operator's seat gives orders. What was recorded waits until somebody keeps it or throws it away, also
-when its flight is over or its pilot has left.
+Only who has the operator's seat gives orders.
 """
 
 import gc
@@ -25,15 +24,12 @@ from typing import Any, NamedTuple
 from fledge.cockpit import asks, tells
 from fledge.cockpit.asks import Fly, Sticks
 from fledge.cockpit.meters import Answers, Pace
-from fledge.cockpit.scene import Scene, Shown
-from fledge.cockpit.screen import frame
+from fledge.cockpit.sortie import Sortie
 from fledge.cockpit.stock import Stock
-from fledge.cockpit.tape import Tape
 from fledge.cockpit.usher import Post, Usher
 from fledge.errors import FledgeError
 from fledge.lab.shell.pace import PERIOD, Pacer
 from fledge.lab.shell.runtime import one_thread, urgent
-from fledge.supervision.supervisor import IDLE
 
 PICTURES = 30.0
 """Frames a second."""
@@ -46,15 +42,6 @@ PREPARING = "a flight is being prepared: wait for it"
 UNSAVED = "a recording waits: keep it or throw it away first"
 
 logger = logging.getLogger(__name__)
-
-
-class Ready(NamedTuple):
-    """A flight that was chosen, ready to begin."""
-
-    fly: Fly
-    scene: Scene
-    memory: Any
-    tape: Tape | None
 
 
 class Heard(NamedTuple):
@@ -79,15 +66,9 @@ class Deck:
         self._stock, self._post = stock, post
         self._inbox: SimpleQueue[Heard] = SimpleQueue()
         self._usher = Usher(post)
-        self._fly: Fly | None = None
-        self._scene: Scene | None = None
-        self._memory: Any = None
-        self._shown: Shown | None = None
+        self._sortie: Sortie | None = None
         self._state = "none"
         self._preparing = False
-        self._tape: Tape | None = None
-        self._told = ""
-        """The problem of the tape that people were told."""
         self._pacer = Pacer()
         self._ending = Event()
         self._thread = Thread(target=self._run, name="deck", daemon=True)
@@ -99,7 +80,7 @@ class Deck:
         if stock.attached is not None:
             scene = stock.scene(Fly("lab", "", "", world="attached"))
             fly = Fly("lab", scene.about.pilot, scene.about.net, world="attached")
-            self.hear(0, Ready(fly, scene, scene.init(), None))
+            self.hear(0, Sortie(fly, scene))
 
     def start(self) -> None:
         """Begin."""
@@ -137,20 +118,18 @@ class Deck:
             while not self._ending.is_set():
                 time.sleep(max(slot.ends - time.monotonic_ns(), 0) / 1e9)
                 sticks = self._listen()
-                if self._state == "running":
-                    self._go_on(sticks)
+                if self._sortie is not None and self._state == "running":
+                    self._go_on(self._sortie, sticks)
                 self._show()
                 slot, missed = self._pacer.next(slot, time.monotonic_ns())
                 self.missed += missed if self._state == "running" else 0
-            if self._tape is not None:
-                self._tape.leave()
-            if self._scene is not None:
-                self._scene.close()
+            if self._sortie is not None:
+                self._sortie.close()
 
-    def _go_on(self, sticks: list[float]) -> None:
+    def _go_on(self, sortie: Sortie, sticks: list[float]) -> None:
         """10 ms; whatever goes wrong in them ends the flight, not the deck."""
         try:
-            self._tick()
+            self._tick(sortie)
         except Exception as error:
             logger.exception("a flight has ended")
             self._post(None, tells.Notice(f"the flight has ended by a fault of ours: {error}"[:500], "error"))
@@ -176,7 +155,7 @@ class Deck:
 
     def _obey(self, heard: Heard) -> None:
         at, client, said = heard
-        if isinstance(said, (Ready, FledgeError)):
+        if isinstance(said, (Sortie, FledgeError)):
             self._prepared(client, said)
         elif said is True:
             self._post(client, self._flight())
@@ -205,7 +184,7 @@ class Deck:
             self._stock.school.cancel()
         elif self._preparing:
             raise FledgeError(PREPARING)
-        elif self._fly is None:
+        elif self._sortie is None:
             raise FledgeError("nothing is being flown: start a flight first")
         elif self._stock.attached is not None:
             raise FledgeError(
@@ -216,18 +195,19 @@ class Deck:
         elif isinstance(said, asks.Resume) and self._state == "paused":
             self._change("running")
         elif isinstance(said, asks.Reset):
-            self._discard()
-            self._begin(client, self._fly)
+            self._sortie.discard()
+            self._begin(client, self._sortie.fly)
         elif isinstance(said, asks.Keep):
-            self._keep()
+            self._keep(self._sortie)
         elif isinstance(said, asks.Discard):
-            self._discard()
+            self._sortie.discard()
+            self._change("over")
 
     # The flight.
 
     def _begin(self, client: int, fly: Fly) -> None:
         """Have a flight prepared, which takes a second or two, by somebody who has the time."""
-        if self._tape is not None:
+        if self._sortie is not None and self._sortie.tape is not None:
             raise FledgeError(UNSAVED)
         if self._preparing:
             raise FledgeError(PREPARING)
@@ -237,7 +217,7 @@ class Deck:
         def prepare() -> None:
             try:
                 scene = self._stock.scene(fly)
-                ready: Any = Ready(fly, scene, scene.init(), self._stock.tape(fly, scene.about))
+                ready: Any = Sortie(fly, scene, self._stock.tape(fly, scene.about))
             except FledgeError as error:
                 ready = error
             except Exception as error:  # else everybody would wait for ever
@@ -247,54 +227,34 @@ class Deck:
 
         self._stock.clerk.submit(prepare)
 
-    def _prepared(self, client: int, ready: Ready | FledgeError) -> None:
+    def _prepared(self, client: int, ready: Sortie | FledgeError) -> None:
         self._preparing = False
         if isinstance(ready, FledgeError):
             self._complain(client, ready)
             return
-        if self._scene is not None:
-            self._scene.close()
-        self._fly, self._scene, self._memory, self._tape = ready
-        self._shown, self._told = None, ""
+        if self._sortie is not None:
+            self._sortie.close()
+        self._sortie = ready
         self._pacer = Pacer(period=round(PERIOD / ready.fly.speed))
         gc.collect()
         gc.freeze()
         self._change("running")
 
-    def _tick(self) -> None:
-        assert self._scene is not None
-        self._memory, self._shown = self._scene.tick(self._memory, self._usher.say())
+    def _tick(self, sortie: Sortie) -> None:
+        problem = sortie.tick(self._usher.say())
         self.ticks += 1
         self._pace.step()
-        self._record(self._shown)
-        if self._shown.over and self._tape is not None:
+        if problem:
+            self._post(None, tells.Notice(f"the recording ends here: {problem}"[:500], "error"))
+        if sortie.is_recorded:
             self._change("over")
         if self.ticks % TIDY == 0:
             gc.collect()
 
-    def _record(self, shown: Shown) -> None:
-        tape, fly = self._tape, self._fly
-        if tape is None or fly is None or shown.row is None:
-            return
-        airborne = int(shown.decisions[0].mode) not in IDLE
-        if shown.flown if fly.record == "demonstration" else airborne:
-            tape.add(shown.row)
-        if tape.problem != self._told:
-            self._told = tape.problem
-            self._post(None, tells.Notice(f"the recording ends here: {tape.problem}"[:500], "error"))
-
-    def _keep(self) -> None:
-        tape, self._tape = self._tape, None
-        if tape is None:
-            raise FledgeError("nothing was recorded that could be kept")
-        self._change("over")
-        self._stock.stored(tape.keep())
-
-    def _discard(self) -> None:
-        if self._tape is not None:
-            self._tape.discard()
-            self._tape = None
-        self._change("over")
+    def _keep(self, sortie: Sortie) -> None:
+        if sortie.tape is not None:
+            self._change("over")
+        self._stock.stored(sortie.keep())
 
     def _change(self, state: str) -> None:
         self._state = state
@@ -304,22 +264,20 @@ class Deck:
     # What pages are shown.
 
     def _flight(self) -> tells.Flight:
-        return self._stock.flight(self._state, self._fly, self._scene)
+        sortie = self._sortie
+        return self._stock.flight(self._state, sortie and sortie.fly, sortie and sortie.scene)
 
     def _show(self) -> None:
         now = time.monotonic()
-        if self._shown is None or self._scene is None or now < self._due:
+        if self._sortie is None or now < self._due:
+            return
+        told = self._sortie.frame()
+        if told is None:
             return
         self._due = max(self._due + 1.0 / PICTURES, now)
         seating = self._usher.seating
-        told = frame(self._shown, self._scene.about, self._scene.halts(self._memory))
-        told = replace(
-            told,
-            rows=self._tape.rows if self._tape is not None else 0,
-            factor=self._pace.factor(),
-            silent=self._usher.silent,
-            answer=self._answers.lately,
-        )
+        factor, silent, answer = self._pace.factor(), self._usher.silent, self._answers.lately
+        told = replace(told, factor=factor, silent=silent, answer=answer)
         for client in seating.clients:
             mine = client == seating.holder and seating.sticks is not None
             self._post(client, replace(told, **_newest(seating.sticks)) if mine else told)

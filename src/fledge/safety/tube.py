@@ -16,6 +16,7 @@ from fledge.scalars import Scalar, clip, exp, maximum, minimum, sqrt, where
 from fledge.world import Arena, Reason, UavState, UgvState
 
 TINY = 1e-9
+NOWHERE = Vec3(0.0, 0.0, 0.0)
 FREE = 1e3
 """[m] room where there is nothing to be touched."""
 
@@ -43,6 +44,10 @@ class UavTube(NamedTuple):
     """[m] by which the stop may miss that, sideways."""
     error_up: Scalar
     """[m] and in height."""
+    least: Vec3 = NOWHERE
+    """[m] by which it may rest elsewhere, axis by axis, if not all that was sent was heard; from here..."""
+    most: Vec3 = NOWHERE
+    """...to there."""
 
     @property
     def late(self) -> Vec3:
@@ -54,36 +59,30 @@ class UavTube(NamedTuple):
         ahead = 0.0 * self.error
         for rest in self.rests:
             ahead = maximum(ahead, rest.x * x + rest.y * y)
-        return ahead
+        return ahead + maximum(self.least.x * x, self.most.x * x) + maximum(self.least.y * y, self.most.y * y)
 
     def sink(self) -> Scalar:
         """How far down the stop goes [m]."""
         down = 0.0 * self.error
         for rest in self.rests:
             down = maximum(down, -rest.z)
-        return down
+        return down - self.least.z
 
     def rise(self) -> Scalar:
         """How far up the stop goes [m]."""
         up = 0.0 * self.error
         for rest in self.rests:
             up = maximum(up, rest.z)
-        return up
+        return up + self.most.z
 
     def moved(self, by: Vec3) -> "UavTube":
         """The stop after something more [m]."""
         return self._replace(rests=tuple(rest + by for rest in self.rests))
 
-    def held_over(self, sent: "tuple[Sent, Sent, Sent]", stop: UavStop) -> "UavTube":
-        """As others have to see it: any of the newest commands may be the last that is heard, and is gone on with."""
-        x, y, z = (axis.newest[0] for axis in sent)
-        later = self.moved(Vec3(x, y, z) * stop.hold_over)
-        span_x, span_y, span_z = (axis.span() for axis in sent)
-        return UavTube(
-            (*self.rests, *later.rests),
-            self.error + (span_x + span_y) * stop.hold_over,
-            self.error_up + span_z * stop.hold_over,
-        )
+    def unheard(self, sent: "tuple[Sent, Sent, Sent]", period: float, hold_over: float) -> "UavTube":
+        """As others have to see it: whichever command is the last that is heard is gone on with for so long [s]."""
+        (x, ahead), (y, aside), (z, above) = (axis.held_over(period, hold_over) for axis in sent)
+        return self._replace(least=Vec3(x, y, z), most=Vec3(ahead, aside, above))
 
 
 class UgvTube(NamedTuple):
@@ -143,12 +142,14 @@ class Sent(NamedTuple):
             followed = followed + (command - followed) * (share * (1.0 - part))
         return coming, followed
 
-    def span(self) -> Scalar:
-        """How far apart the newest commands are [m/s]."""
-        low = high = self.newest[0]
-        for command in self.newest[1:]:
-            low, high = minimum(low, command), maximum(high, command)
-        return high - low
+    def held_over(self, period: float, hold_over: float) -> tuple[Scalar, Scalar]:
+        """(least, most) that may come to all that was sent [m], whichever command is the last that is heard."""
+        least = most = missed = 0.0 * self.before
+        for command in self.newest[: 1 + round(hold_over / period)]:
+            instead = command * hold_over - missed
+            least, most = minimum(least, instead), maximum(most, instead)
+            missed = missed + command * period
+        return least, most
 
 
 class Held(NamedTuple):

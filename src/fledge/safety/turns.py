@@ -229,7 +229,11 @@ def _uav(
     spin = maximum(memory.spin * (1.0 - net.contract.period / CALMING), abs(sent.turn))
     reason = where(number, where(fresh, tightest.reason, Reason.STALE), Reason.NOT_FINITE)
     memory = memory._replace(sent=axes, spin=spin)
-    return memory, tube.held_over(axes, stop), _verdict(proposed, sent, reason, gap)
+    return (
+        memory,
+        tube.unheard(axes, net.contract.period, stop.hold_over),
+        _verdict(proposed, sent, reason, gap),
+    )
 
 
 def _whole(uav: UavState) -> Scalar:
