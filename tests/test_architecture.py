@@ -59,6 +59,7 @@ SHELL = {
     *("cockpit.tape", "cockpit.deck", "cockpit.meters", "cockpit.usher", "cockpit.stock", "cockpit.shelf"),
     *(
         "cockpit.school",
+        "cockpit.sortie",
         "cockpit.attached",
         "cockpit.twinned",
         "cockpit.guard",

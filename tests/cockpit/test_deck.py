@@ -119,6 +119,7 @@ def test_a_flight_from_begin_to_keep(bridge):
     assert frame.vehicles[0].stop and frame.vehicles[0].commander == "person"
     bridge.deck.hear(ONE, Pause())
     bridge.until(lambda: bridge.state == "paused")
+    time.sleep(0.1)  # until the last tick is shown, too
     t = bridge.last(Frame).t
     bridge.deck.hear(ONE, Fly("descend", "person", "stop-tube"))
     bridge.until(lambda: bridge.last(Notice))
