@@ -17,6 +17,14 @@ REAL_TIME = (
 """Tests that fly against the clock, by the beginnings of their paths. Two at once would disturb each other."""
 
 
+GIVES_WAY = 10
+"""How nice those are who keep no clock: else they starve those who do."""
+
+
+def _in_real_time(nodeid):
+    return nodeid.removeprefix("tests/").startswith(REAL_TIME)
+
+
 class ByFile(LoadScopeScheduling):
     """Where several processes share the tests, each file has one to itself, and those in real time share one.
 
@@ -24,10 +32,16 @@ class ByFile(LoadScopeScheduling):
     """
 
     def _split_scope(self, nodeid):
-        file = nodeid.partition("::")[0].removeprefix("tests/")
-        return "real time" if file.startswith(REAL_TIME) else file
+        return "real time" if _in_real_time(nodeid) else nodeid.partition("::")[0]
 
 
 def pytest_xdist_make_scheduler(config, log):
-    """Who shares the tests out."""
+    """Who shares the tests out: files with most tests come first, and first of all those in real time."""
     return ByFile(config, log)
+
+
+def pytest_runtest_setup(item):
+    """A process that shares the tests gives way from its first test on that keeps no clock."""
+    mine = os.getpriority(os.PRIO_PROCESS, 0)
+    if "PYTEST_XDIST_WORKER" in os.environ and not _in_real_time(item.nodeid) and mine < GIVES_WAY:
+        os.setpriority(os.PRIO_PROCESS, 0, GIVES_WAY)

@@ -34,7 +34,7 @@ CLAUSES: dict[str, list[tuple[str, str]]] = {
         ("age + contract.latency + contract.period", "0.0 * age"),
         ("maximum(v + contract.velocity_error, minimum(sent.ahead.most, v + gain))", "v"),
         ("maximum(contract.velocity_error - v, minimum(sent.astern.most, gain - v))", "-v"),
-        ("(reaction + turning / (2.0 * stop.turn_acceleration)) + turned", "(reaction + turning)"),
+        (" + turned\n", "\n"),
         ("turning * (reaction + turning / (2.0 * stop.turn_acceleration))", "0.0 * turning"),
         ("speed * reaction + maximum(way, 0.0) + braking", "maximum(way, 0.0) + braking"),
         ("speed * reaction + maximum(way, 0.0) + braking", "speed * reaction + braking"),
@@ -43,7 +43,7 @@ CLAUSES: dict[str, list[tuple[str, str]]] = {
         ("* self.swing", "* 0.0"),
         # What may still be gone on with.
         ("where(over, self.newer, self.most)", "where(over, 0.0 * left, self.most)"),
-        ("where(over, lasts, left), where", "left, where"),
+        ("            where(over, lasts, left),", "            left,"),
         (
             "maximum(self.most * maximum(self.left - delay, 0.0), self.newer * hold_over)",
             "self.newer * hold_over",
@@ -52,7 +52,7 @@ CLAUSES: dict[str, list[tuple[str, str]]] = {
             "maximum(self.most * maximum(self.left - delay, 0.0), self.newer * hold_over)",
             "self.most * maximum(self.left - delay, 0.0)",
         ),
-        ("maximum(self.newer, command)),\n        )\n\n    def way", "command),\n        )\n\n    def way"),
+        ("maximum(newer, command)", "command"),
         ("instead = command * hold_over - missed", "instead = command * hold_over"),
         ("maximum(self.least.x * x, self.most.x * x)", "0.0"),
         ("maximum(self.least.y * y, self.most.y * y)", "0.0"),
@@ -93,8 +93,8 @@ CLAUSES: dict[str, list[tuple[str, str]]] = {
         ("tube.unheard(axes, net.contract.period, stop.hold_over)", "tube"),
         ("landing = where(age <= 2.0 * net.contract.age, 0.0 * age, -FREE)", "landing = 0.0 * age"),
         (
-            "net.contract, stop, world.ugvs[i], one, world.t - world.ugvs[i].stamp",
-            "net.contract, stop, world.ugvs[i], memory.ugvs[i], world.t - world.ugvs[i].stamp",
+            "(net.contract, stop, ugv, one, world.t - ugv.stamp)",
+            "(net.contract, stop, ugv, memory.ugvs[i], world.t - ugv.stamp)",
         ),
         ("clip(proposed.forward, -stop.most, stop.most), clip", "proposed.forward, clip"),
     ],

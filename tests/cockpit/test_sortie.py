@@ -6,7 +6,7 @@ import pytest
 
 from fledge.cockpit.asks import Fly
 from fledge.cockpit.flight import Choice, Live
-from fledge.cockpit.seat import Seats
+from fledge.cockpit.seat import HANDS_OFF, Spoken
 from fledge.cockpit.sortie import Sortie
 from fledge.cockpit.tape import Tape
 from fledge.errors import FledgeError
@@ -27,22 +27,15 @@ class Flown:
     """A climb of three rows, with somebody who arms it."""
 
     folder: object
-    fly: Fly = CLIMB
     problems: list = field(default_factory=list)
 
     def __post_init__(self):
         scene = Live.draw(Choice(Climb(), Servo(), StopTube(), "stop-tube", 3))
-        self.sortie = Sortie(self.fly, scene, Tape(self.folder, scene.about) if self.folder else None)
-        self.seats = Seats()
-        self.ticks = 0
+        self.sortie = Sortie(CLIMB, scene, Tape(self.folder, scene.about) if self.folder else None)
 
     def go(self, rows, arm=True):
-        for _ in range(rows * TICKS):
-            self.ticks += 1
-            operators = (Operator(arm=float(arm)),) * 4
-            spoken = self.seats.say(self.seats.init(), 0.01 * self.ticks)._replace(operators=operators)
-            spoken = spoken._replace(silent=0.0, lost=False)
-            self.problems.append(self.sortie.tick(spoken))
+        spoken = Spoken((Operator(arm=float(arm)),) * 4, HANDS_OFF, silent=0.0, lost=False)
+        self.problems += [self.sortie.tick(spoken) for _ in range(rows * TICKS)]
         return self
 
 

@@ -113,9 +113,7 @@ def test_what_passes_is_flown_through_and_named(tmp_path):
     modes, alarms = ({name: told(ticks, what) for name, ticks in seen.items()} for what in ("mode", "alarm"))
     held = ["HOLD", "RECOVER", "AUTO"]
     # Nothing is done, or the vehicle stands for as long as it lasts; the policy keeps its turn.
-    # What half is lost of may, on a busy machine, be lost in a row for so long that it is held out.
-    assert set(modes.pop("half is lost")) <= {"AUTO", "SHIELDED", *held}
-    for name in modes.keys() - {"0.5 s", "no navdata", "long swap"}:
+    for name in seen.keys() - {"0.5 s", "no navdata", "long swap"}:
         assert set(modes[name]) <= {"AUTO", "SHIELDED"}, name
     for name in ("a tenth is lost", "no commands", "numbers ahead"):
         assert set(alarms[name]) <= {"NONE", "STALE"}, name

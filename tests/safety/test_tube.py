@@ -46,7 +46,7 @@ def ordered(*speeds: float, turn: float = 0.0) -> UgvSent:
     """What a UGV was sent, oldest first."""
     line = NO_ORDERS
     for speed in speeds:
-        line = line.then(C, UGV, speed, turn)
+        line = line.then(C, UGV, speed, turn, C.period)
     return line
 
 
@@ -94,7 +94,7 @@ def test_a_stop_is_over_once_nothing_older_can_be_gone_on_with():
 
 
 def test_what_was_sent_instead_counts_as_sent():
-    assert ordered(0.1).also(C, UGV, -0.3, 0.2) == ordered(0.1)._replace(
+    assert ordered(0.1).then(C, UGV, -0.3, 0.2, 0.0) == ordered(0.1)._replace(
         astern=Held(0.3, LASTS, 0.0), turning=Held(0.2, LASTS, 0.0)
     )
 
@@ -110,7 +110,7 @@ def test_who_was_told_to_stop_may_not_have_heard_it():
 
 def test_so_it_is_with_a_turn():
     ugv = UgvState(0.0, 0.0, 0.0, 0.0, 0.5, 0.0)
-    turned = ordered(*[0.0] * 80, turn=0.5).then(C, UGV, 0.0, 0.0)
+    turned = ordered(*[0.0] * 80, turn=0.5).then(C, UGV, 0.0, 0.0, C.period)
     still = ordered(*[0.0] * 80)
     more = [ugv_commitment(C, UGV, ugv, one, 0.0).swing for one in (turned, still)]
     assert more[0] - more[1] == pytest.approx(0.5 * (UGV.hold_over - C.period))

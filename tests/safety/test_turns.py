@@ -165,7 +165,7 @@ def _may_approach(net, far, stops):
     """Whether a UGV may come towards one that goes at 0.4 m/s and was told to stop so many ticks ago."""
     seen, sent = world(ugvs=((0.0, 3.0, 0.0), (far, 3.0, pi), (-3.0, -3.0, 0.0))), UgvSent.nothing(0.0)
     for told in (*[0.4] * 80, *[0.0] * stops):
-        sent = sent.then(net.contract, net.ugvs[0], told, 0.0)
+        sent = sent.then(net.contract, net.ugvs[0], told, 0.0, net.contract.period)
     seen = replace(seen, ugvs=(replace(seen.ugvs[0], speed=0.4), *seen.ugvs[1:]))
     memory = net.init(HALL, seen)
     memory = memory._replace(ugvs=(sent, *memory.ugvs[1:]))

@@ -167,24 +167,19 @@ class Held(NamedTuple):
         """At the start of a flight."""
         return cls(zero, zero, zero)
 
-    def then(self, command: Scalar, period: float, lasts: float) -> "Held":
-        """One command later, which may be gone on with for so long [s]."""
-        left = self.left - period
-        over = left <= 0.0
+    def then(self, command: Scalar, elapsed: float, lasts: float) -> "Held":
+        """One command more, so long after the last [s], which may be gone on with for so long [s]."""
+        left = self.left - elapsed
+        over, none = left <= 0.0, 0.0 * left
         # Whatever is the largest then was sent earlier; it is as if it was sent now.
-        aged = Held(
-            where(over, self.newer, self.most), where(over, lasts, left), where(over, 0.0 * left, self.newer)
+        most, newer, left = (
+            where(over, self.newer, self.most),
+            where(over, none, self.newer),
+            where(over, lasts, left),
         )
-        return aged.also(command, lasts)
-
-    def also(self, command: Scalar, lasts: float) -> "Held":
-        """This was sent, too, or instead of the newest."""
-        larger = command >= self.most
-        return Held(
-            maximum(self.most, command),
-            where(larger, lasts, self.left),
-            where(larger, 0.0 * self.left, maximum(self.newer, command)),
-        )
+        larger = command >= most
+        newer = where(larger, none, maximum(newer, command))
+        return Held(maximum(most, command), where(larger, lasts, left), newer)
 
     def way(self, delay: float, hold_over: float) -> Scalar:
         """How far the UGV may yet go [m or rad] with any of them, after the contract's delay [s]."""
@@ -204,17 +199,13 @@ class UgvSent(NamedTuple):
         """At the start of a flight."""
         return cls(*(Held.nothing(zero),) * 3)
 
-    def then(self, contract: Contract, stop: UgvStop, forward: Scalar, turn: Scalar) -> "UgvSent":
-        """One command later."""
+    def then(
+        self, contract: Contract, stop: UgvStop, forward: Scalar, turn: Scalar, elapsed: float
+    ) -> "UgvSent":
+        """One command more, so long after the last [s]; at once, if it was sent instead of that."""
         lasts = stop.hold_over + contract.age + contract.latency
         commands = zip(self, (forward, -forward, abs(turn)), strict=True)
-        return UgvSent(*(held.then(command, contract.period, lasts) for held, command in commands))
-
-    def also(self, contract: Contract, stop: UgvStop, forward: Scalar, turn: Scalar) -> "UgvSent":
-        """This was sent, too, or instead of the newest."""
-        lasts = stop.hold_over + contract.age + contract.latency
-        commands = zip(self, (forward, -forward, abs(turn)), strict=True)
-        return UgvSent(*(held.also(command, lasts) for held, command in commands))
+        return UgvSent(*(held.then(command, elapsed, lasts) for held, command in commands))
 
 
 def within(periods: Scalar, commands: int) -> list[Scalar]:

@@ -154,13 +154,11 @@ def in_turn(
     landing = where(age <= 2.0 * net.contract.age, 0.0 * age, -FREE)
     tube = tube.moved(Vec3(0.0 * landing, 0.0 * landing, landing))
     remembered, verdicts = [], [verdict]
-    for i, stop in enumerate(net.ugvs):
+    for i, (stop, ugv) in enumerate(zip(net.ugvs, world.ugvs, strict=True)):
         others = [(net.ugvs[j], world.ugvs[j], commitments[j]) for j in range(len(net.ugvs)) if j != i]
-        faces = ugv_faces(
-            net.contract, stop, memory.arena, world.ugvs[i], tuple(others), (net.uav, world.uav, tube)
-        )
-        one, verdict = _ugv(net, stop, memory.ugvs[i], world.ugvs[i], world.t, commands.ugvs[i], faces)
-        commitments[i] = ugv_commitment(net.contract, stop, world.ugvs[i], one, world.t - world.ugvs[i].stamp)
+        faces = ugv_faces(net.contract, stop, memory.arena, ugv, tuple(others), (net.uav, world.uav, tube))
+        one, verdict = _ugv(net, stop, memory.ugvs[i], ugv, world.t, commands.ugvs[i], faces)
+        commitments[i] = ugv_commitment(net.contract, stop, ugv, one, world.t - ugv.stamp)
         remembered.append(one)
         verdicts.append(verdict)
     return Memory(memory.arena, uav, tuple(remembered)), tuple(verdicts)
@@ -180,7 +178,7 @@ def sent_instead(net: Deciding, memory: Memory, world: WorldState, instead: Comm
     spin = where(turn, maximum(uav.spin, abs(c.turn)), uav.spin)
     uav = UavMemory(axes, spin, where(level, 0.0 * uav.holding, uav.holding), uav.point)
     ugvs = tuple(
-        where(isfinite(c.forward + c.turn), sent.also(net.contract, stop, c.forward, c.turn), sent)
+        where(isfinite(c.forward + c.turn), sent.then(net.contract, stop, c.forward, c.turn, 0.0), sent)
         for stop, sent, c in zip(net.ugvs, memory.ugvs, instead.ugvs, strict=True)
     )
     return Memory(memory.arena, uav, ugvs)
@@ -229,11 +227,8 @@ def _uav(
     spin = maximum(memory.spin * (1.0 - net.contract.period / CALMING), abs(sent.turn))
     reason = where(number, where(fresh, tightest.reason, Reason.STALE), Reason.NOT_FINITE)
     memory = memory._replace(sent=axes, spin=spin)
-    return (
-        memory,
-        tube.unheard(axes, net.contract.period, stop.hold_over),
-        _verdict(proposed, sent, reason, gap),
-    )
+    tube = tube.unheard(axes, net.contract.period, stop.hold_over)
+    return memory, tube, _verdict(proposed, sent, reason, gap)
 
 
 def _whole(uav: UavState) -> Scalar:
@@ -328,7 +323,7 @@ def _ugv(
     sent = VelocityCommand(speed, proposed.left, proposed.up, turning)
     verdict = _verdict(proposed, sent, reason, gap)
     verdict = Verdict(VelocityCommand(speed, zero, zero, turning), verdict.intervened, verdict.reason, gap)
-    return memory.then(net.contract, stop, speed, turning), verdict
+    return memory.then(net.contract, stop, speed, turning, net.contract.period), verdict
 
 
 def _clears(faces: list[Face], halt: UgvTube) -> Scalar:
