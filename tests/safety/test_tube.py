@@ -5,7 +5,7 @@ from math import cos, pi, sin
 
 import pytest
 from aloft import HALL, SPREAD, world
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from fledge.dynamics import P3_DX
@@ -74,6 +74,8 @@ def test_a_filter_remembers_beyond_its_line():
 
 
 @given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=200))
+@example([1.0] + [0.9] * 60)  # the largest lasts shortest
+@example([1.0] + [0.5] * 60 + [0.4] * 20)  # it is over, and those that came after it go on
 def test_what_is_held_bounds_whatever_may_still_be_gone_on_with(commands):
     held = Held.nothing(0.0)
     for command in commands:
