@@ -5,9 +5,12 @@
 
 What becomes of a datagram is its wire's `Fate`, a function of chance and bytes, which may change at any time. The twin
 has one loopback address, and the controller is told another, at which it finds us.
+
+It is a process of its own: in a thread, a test that reads a log keeps it from the datagrams for a tenth of a second.
 """
 
 import heapq
+import multiprocessing
 import select
 import socket
 import struct
@@ -15,12 +18,11 @@ import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
+from functools import partial
 from itertools import count
 from random import Random
-from threading import Event, Thread
 
-from fledge.geometry import Vec3
 from fledge.lab.wire import ardrone, navdata, vicon
 from fledge.lab.wire.datagrams import AT, NAVDATA, VICON
 
@@ -39,87 +41,144 @@ def kept(rng, data):
 
 def lost(share=1.0) -> Fate:
     """Some get lost, each by itself."""
-    return lambda rng, data: () if rng.random() < share else ((0.0, data),)
+    return partial(_lost, share)
+
+
+def _lost(share, rng, data):
+    return () if rng.random() < share else ((0.0, data),)
 
 
 def late(most) -> Fate:
     """Each is up to so late [s], so that they overtake each other."""
-    return lambda rng, data: ((most * rng.random(), data),)
+    return partial(_late, most)
+
+
+def _late(most, rng, data):
+    return ((most * rng.random(), data),)
 
 
 def doubled(after) -> Fate:
     """Each comes once more [s] later."""
-    return lambda rng, data: ((0.0, data), (after, data))
+    return partial(_doubled, after)
+
+
+def _doubled(after, rng, data):
+    return ((0.0, data), (after, data))
 
 
 def corrupt(share) -> Fate:
     """Of some one byte is another, or the end is missing."""
+    return partial(_corrupt, share)
 
-    def spoil(rng, data):
-        if rng.random() >= share:
-            return ((0.0, data),)
-        place, other = rng.randrange(len(data)), rng.randrange(1, 256)
-        if rng.random() < 0.2:
-            return ((0.0, data[:place]),)
-        return ((0.0, data[:place] + bytes([data[place] ^ other]) + data[place + 1 :]),)
 
-    return spoil
+def _corrupt(share, rng, data):
+    if rng.random() >= share:
+        return ((0.0, data),)
+    place, other = rng.randrange(len(data)), rng.randrange(1, 256)
+    if rng.random() < 0.2:
+        return ((0.0, data[:place]),)
+    return ((0.0, data[:place] + bytes([data[place] ^ other]) + data[place + 1 :]),)
 
 
 def doubled_up(name, share) -> Fate:
     """In some the bit flips that makes a subject twice as high as it is, or half as high."""
+    return partial(_doubled_up, name, share)
 
-    def flip(rng, data):
-        if rng.random() >= share:
-            return ((0.0, data),)
-        exponent = data.index(name.encode()) + vicon.OBJECT.size - 4 * 8 + 6  # of z, the third of six doubles
-        return ((0.0, data[:exponent] + bytes([data[exponent] ^ 0x10]) + data[exponent + 1 :]),)
 
-    return flip
+def _doubled_up(name, share, rng, data):
+    if rng.random() >= share:
+        return ((0.0, data),)
+    exponent = data.index(name.encode()) + vicon.OBJECT.size - 4 * 8 + 6  # of z, the third of six doubles
+    return ((0.0, data[:exponent] + bytes([data[exponent] ^ 0x10]) + data[exponent + 1 :]),)
 
 
 def renumbered(frames) -> Fate:
     """The cameras' counter is ahead by so many, or behind."""
+    return partial(_renumbered, frames)
 
-    def count_otherwise(rng, data):
-        (number,) = struct.unpack_from("<I", data)
-        return ((0.0, struct.pack("<I", number + frames) + data[4:]),)
 
-    return count_otherwise
+def _renumbered(frames, rng, data):
+    (number,) = struct.unpack_from("<I", data)
+    return ((0.0, struct.pack("<I", number + frames) + data[4:]),)
 
 
 def swapped(a, b) -> Fate:
     """Two subjects are taken for each other."""
-    return _redrawn(lambda one: replace(one, name={a: b, b: a}.get(one.name, one.name)))
+    return partial(_swapped, a, b)
 
 
-def moved(name, dx) -> Fate:
-    """A subject is seen so far to the east of where it is [m]."""
-    step = Vec3(dx, 0.0, 0.0)
-    return _redrawn(lambda one: replace(one, position=one.position + step) if one.name == name else one)
+def _swapped(a, b, rng, data):
+    frame, other = vicon.decode(data), {a: b, b: a}
+    swapped = tuple(replace(one, name=other.get(one.name, one.name)) for one in frame.objects)
+    return ((0.0, vicon.encode(vicon.Frame(frame.number, swapped))),)
 
 
-def _redrawn(change) -> Fate:
-    def redraw(rng, data):
-        frame = vicon.decode(data)
-        return ((0.0, vicon.encode(vicon.Frame(frame.number, tuple(map(change, frame.objects))))),)
+@dataclass
+class Traffic:
+    """What has gone through so far."""
 
-    return redraw
+    came: Counter = field(default_factory=Counter)
+    went: Counter = field(default_factory=Counter)
+    """Datagrams, by wire."""
+    began: float | None = None
+    """When the first command came [s], by `time.monotonic`."""
 
 
 class Between:
-    """The go-between: a context, at work in a thread of its own."""
+    """The go-between: a context, at work in a process of its own."""
 
     def __init__(self, lab, ours, seed=0):
         """`lab` is the twin's address, `ours` the one that the controller is told."""
+        spawn = multiprocessing.get_context("spawn")
+        self._line, other = spawn.Pipe()
+        self._process = spawn.Process(target=_serve, args=(other, lab, ours, seed), daemon=True)
+
+    def turn(self, **fates: Fate) -> Traffic:
+        """Wires have other fates from now on; returns what has gone through until now."""
+        self._line.send(fates)
+        assert self._line.poll(5.0), "the go-between says nothing"
+        return self._line.recv()
+
+    def during(self, seconds, **fates: Fate):
+        """Wires have other fates for so long; returns (begin, end) of that, by `time.monotonic` [s]."""
+        begin = time.monotonic()
+        self.turn(**fates)
+        time.sleep(seconds)
+        self.turn(**dict.fromkeys(fates, kept))
+        return begin, time.monotonic()
+
+    def __enter__(self):
+        self._process.start()
+        assert self._line.poll(30.0), "the go-between did not start"
+        self._line.recv()
+        return self
+
+    def __exit__(self, *_):
+        self._line.send(None)
+        self._process.join()
+
+
+def _serve(line, lab, ours, seed):
+    """The process: passes on until the line says None."""
+    wires = _Wires(lab, ours, seed)
+    line.send("ready")
+    while True:
+        wires.pass_on(line)
+        if line.poll():
+            if (fates := line.recv()) is None:
+                break
+            wires.fates |= fates
+            line.send(wires.traffic)
+
+
+class _Wires:
+    """The sockets, and what is on its way from one to another."""
+
+    def __init__(self, lab, ours, seed):
         self.fates: dict[str, Fate] = dict.fromkeys(WIRES, kept)
-        self.came, self.went = Counter(), Counter()
-        """Datagrams, by wire."""
-        self.began = None
-        """When the first command came [s]."""
+        self.traffic = Traffic()
         self._rngs = {wire: Random(f"{seed} {wire}") for wire in WIRES}
         self._waiting, self._number = [], count()
-        self._over, self._thread = Event(), Thread(target=self._run)
         self._asks, self._asker = _socket(), None
         self._asks.connect((lab, navdata.PORT))
         self._ins = {
@@ -131,48 +190,31 @@ class Between:
         self._there = {VICON: (ours, vicon.PORT), AT: (lab, ardrone.PORT)}
         self._answers = next(one for one, wire in self._ins.items() if wire == WAKE)
 
-    def during(self, seconds, **fates: Fate):
-        """Wires have other fates for so long; returns (begin, end) of that, by `time.monotonic` [s]."""
-        begin = time.monotonic()
-        self.fates |= fates
-        time.sleep(seconds)
-        self.fates |= dict.fromkeys(fates, kept)
-        return begin, time.monotonic()
-
-    def __enter__(self):
-        self._thread.start()
-        return self
-
-    def __exit__(self, *_):
-        self._over.set()
-        self._thread.join()
-        for one in self._ins:
-            one.close()
-
-    def _run(self):
-        while not self._over.is_set():
-            wait = min(max(self._waiting[0][0] - time.monotonic(), 0.0), 0.1) if self._waiting else 0.1
-            for one in select.select(list(self._ins), (), (), wait)[0]:
+    def pass_on(self, line):
+        """Waits for a datagram, for one's time to go on, or for the line to speak; sees to the first two."""
+        wait = max(self._waiting[0][0] - time.monotonic(), 0.0) if self._waiting else None
+        for one in select.select([*self._ins, line], (), (), wait)[0]:
+            if one is not line:
                 self._take(one)
-            while self._waiting and self._waiting[0][0] <= time.monotonic():
-                _, _, wire, data = heapq.heappop(self._waiting)
-                self._pass_on(wire, data)
+        while self._waiting and self._waiting[0][0] <= time.monotonic():
+            _, _, wire, data = heapq.heappop(self._waiting)
+            self._send(wire, data)
 
     def _take(self, one):
-        wire = self._ins[one]
+        wire, traffic = self._ins[one], self.traffic
         with suppress(OSError):  # nobody listened where the last one went
             data, sender = one.recvfrom(65536)
             now = time.monotonic()
-            self.came[wire] += 1
-            if wire == AT and self.began is None:
-                self.began = now
+            traffic.came[wire] += 1
+            if wire == AT and traffic.began is None:
+                traffic.began = now
             if wire == WAKE:
                 self._asker = sender
             for after, passed in self.fates[wire](self._rngs[wire], data):
                 heapq.heappush(self._waiting, (now + after, next(self._number), wire, passed))
 
-    def _pass_on(self, wire, data):
-        self.went[wire] += 1
+    def _send(self, wire, data):
+        self.traffic.went[wire] += 1
         with suppress(OSError):
             if wire == NAVDATA:
                 self._answers.sendto(data, self._asker)

@@ -2,6 +2,7 @@
 
 import os
 
+import pytest
 from hypothesis import settings
 from xdist.scheduler import LoadScopeScheduling
 
@@ -15,7 +16,6 @@ REAL_TIME = (
     *("commands/test_fly.py", "lab/shell", "lab/test_", "runs/test_hangar.py"),
 )
 """Tests that fly against the clock, by the beginnings of their paths. Two at once would disturb each other."""
-
 
 GIVES_WAY = 10
 """How nice those are who keep no clock: else they starve those who do."""
@@ -35,6 +35,7 @@ class ByFile(LoadScopeScheduling):
         return "real time" if _in_real_time(nodeid) else nodeid.partition("::")[0]
 
 
+@pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
     """Who shares the tests out: files with most tests come first, and first of all those in real time."""
     return ByFile(config, log)

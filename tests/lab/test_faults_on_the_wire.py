@@ -33,28 +33,30 @@ class Flight:
 
     def __init__(self, folder, go):
         self.log, self._go = folder / "log.mcap", go
-        self._when = {}
+        self._when, self._began = {}, None
 
     def fault(self, name, seconds, rest, **fates):
         """Wires have other fates for so long, and a rest."""
-        before = self._go.came.copy(), self._go.went.copy()
+        before = self._go.turn()
         begin, _ = self._go.during(seconds, **fates)
         time.sleep(rest)
         self._when[name] = begin, time.monotonic()
-        came, went = self._go.came - before[0], self._go.went - before[1]
+        after = self._go.turn()
+        self._began = after.began
+        came, went = after.came - before.came, after.went - before.went
         for wire, fate in fates.items():
             assert came[wire] > 0 and (fate is not GONE or went[wire] < came[wire]), wire
 
     def until(self, phase, **fates):
         """Wires have other fates until the flight has got there."""
-        self._go.fates |= fates
+        self._go.turn(**fates)
         flown_to(phase, self.log, within=20.0)
-        self._go.fates |= dict.fromkeys(fates, kept)
+        self._go.turn(**dict.fromkeys(fates, kept))
 
     def seen(self):
         """By the name of a fault: every tick from its beginning to the end of the rest after it."""
         ticks = ticks_of(self.log)
-        offset = self._go.began - ticks[0]["t"]  # every tick says something to the drone
+        offset = self._began - ticks[0]["t"]  # every tick says something to the drone
         return {
             name: [tick for tick in ticks if begin <= tick["t"] + offset < end]
             for name, (begin, end) in self._when.items()
