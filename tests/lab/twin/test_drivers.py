@@ -1,6 +1,6 @@
 """The robots' computers: what they were told is what the robots do, skidding or not; and what they do in a silence."""
 
-from math import inf
+from math import hypot, inf
 
 import pytest
 from workbench import CALM, room
@@ -56,6 +56,16 @@ def test_in_a_silence_they_go_on_for_six_tenths_of_a_second_and_stop():
         speeds = [state[robot].speed for state in states]
         assert speeds[round(1.55 / TICK)] == pytest.approx(0.5, rel=0.03)
         assert abs(speeds[-1]) < 0.01
+
+
+@pytest.mark.parametrize("told", [(-0.1, -0.13), (-0.14, -0.31), (-0.18, -0.49), (0.01, -0.23), (0.03, 0.37)])
+def test_who_has_stopped_stands(told):
+    """A servo that rattles drives its robot, which creeps away at centimetres per second."""
+    states = driven(*told, seconds=5.0, silent_from=1.0)
+    for robot in range(len(NAMES)):
+        begin, end = states[round(3.0 / TICK)][robot], states[-1][robot]
+        assert hypot(end.x - begin.x, end.y - begin.y) < 1e-3
+        assert end.heading == pytest.approx(begin.heading, abs=2e-3)
 
 
 def test_they_brake_no_later_than_nets_count_on():

@@ -150,7 +150,8 @@ def test_full_tilt_is_a_push_and_not_a_speed():
 
 def test_left_alone_it_hovers_and_after_two_seconds_it_lands():
     one = aloft()
-    one.run(1.0, steady(Pcmd(0.0, -0.5, 0.0, 0.0)))
+    # Backwards: on the way ahead it would come down on a robot.
+    one.run(1.0, steady(Pcmd(0.0, 0.5, 0.0, 0.0)))
     one.run(1.5, lambda t: ())
     v = one.twin.world().uav.velocity
     assert one.twin.phase == Phase.FLYING and hypot(v.x, v.y) < 0.3
@@ -187,7 +188,7 @@ def test_the_ugvs_wait_and_then_follow():
     assert max(abs(ugv.speed) for ugv in one.twin.world().ugvs) < 0.01
     other = aloft()
     before = other.twin.world().ugvs
-    other.run(10.0, steady())
+    other.run(15.0, steady())
     after = other.twin.world().ugvs
     assert max(hypot(a.x - b.x, a.y - b.y) for a, b in zip(before, after, strict=True)) > 0.3
     assert other.twin.contacts == []

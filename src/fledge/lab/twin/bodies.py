@@ -54,7 +54,6 @@ class Base:
     balance: float = 0.0
     """Where the weight is, forward of the middle [m]."""
     wheel_mass: float = 0.5  # [kg]; amr-ros-config commit 265989b, gazebo/pioneer3at.sdf
-    torque: float = 6.0  # [N m] of one motor at most; chosen, a slope of 35 % at a crawl
     clearance: float = 0.05  # [m] below the hull; chosen
 
 
