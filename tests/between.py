@@ -144,8 +144,9 @@ class Between:
         begin = time.monotonic()
         self.turn(**fates)
         time.sleep(seconds)
+        end = time.monotonic()  # they are back at the earliest
         self.turn(**dict.fromkeys(fates, kept))
-        return begin, time.monotonic()
+        return begin, end
 
     def __enter__(self):
         self._process.start()

@@ -38,9 +38,9 @@ class Flight:
     def fault(self, name, seconds, rest, **fates):
         """Wires have other fates for so long, and a rest."""
         before = self._go.turn()
-        begin, _ = self._go.during(seconds, **fates)
+        begin, end = self._go.during(seconds, **fates)
         time.sleep(rest)
-        self._when[name] = begin, time.monotonic()
+        self._when[name] = begin, end + rest
         after = self._go.turn()
         self._began = after.began
         came, went = after.came - before.came, after.went - before.went
