@@ -1,13 +1,13 @@
 """Real processes: `fledge twin` and `fledge fly` from a test, what they log, and somebody at the sticks."""
 
 import json
+import multiprocessing
 import os
 import subprocess
 import sys
 import time
 from contextlib import contextmanager, suppress
 from itertools import count
-from threading import Event, Thread
 
 from mcap.exceptions import EndOfFile
 from mcap.records import Message
@@ -84,24 +84,31 @@ def modes(path):
 
 @contextmanager
 def sticks(address):
-    """Somebody with a wire: a function that says how all operators are from now on, fifty times a second."""
-    now, over = [Operator()], Event()
+    """Somebody with a wire: a function that says how all operators are from now on, fifty times a second.
 
-    def talk():
-        mouth = UdpPort(Wire(STICKS, there=address))
-        for number in count():
-            if over.wait(0.02):
-                break
-            uav = now[0]
-            others = Operator(arm=uav.arm, land=uav.land, hand_back=uav.hand_back)
-            said = encode(Sticks(number, time.monotonic(), (uav, others, others, others)))
-            mouth.send(Datagram(STICKS, said))
-        mouth.close()
-
-    thread = Thread(target=talk)
-    thread.start()
+    In a process of its own: a test that reads a log would keep a thread from talking.
+    """
+    spawn = multiprocessing.get_context("spawn")
+    line, other = spawn.Pipe()
+    somebody = spawn.Process(target=_talk, args=(other, address), daemon=True)
+    somebody.start()
+    assert line.poll(30.0), "nobody came to the sticks"
+    line.recv()
     try:
-        yield lambda operator: now.__setitem__(0, operator)
+        yield line.send
     finally:
-        over.set()
-        thread.join()
+        line.send(None)
+        somebody.join()
+
+
+def _talk(line, address):
+    """The process: talks until the line says None."""
+    mouth, uav = UdpPort(Wire(STICKS, there=address)), Operator()
+    line.send("ready")
+    for number in count():
+        if line.poll(0.02) and (uav := line.recv()) is None:
+            break
+        others = Operator(arm=uav.arm, land=uav.land, hand_back=uav.hand_back)
+        said = encode(Sticks(number, time.monotonic(), (uav, others, others, others)))
+        mouth.send(Datagram(STICKS, said))
+    mouth.close()

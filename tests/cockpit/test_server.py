@@ -89,6 +89,7 @@ def test_whoever_leaves_frees_the_seat_and_the_vehicle_hovers(server):
         second.until(lambda: any(getattr(one, "seat", "") == "waiting" for one in second.told))
         second.say(SERVO)
         noticed(second, "seat first")
+        second.until(lambda: second.uav.mode == "MANUAL")
         first.__exit__()
         second.until(lambda: any(getattr(one, "seat", "") == "mine" for one in second.told))
         second.until(lambda: second.uav.mode == "STOPPED")
