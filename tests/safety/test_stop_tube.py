@@ -33,9 +33,10 @@ def test_all_or_nothing():
 def test_the_margin_is_the_stop_by_the_contract():
     net = StopTube()
     c, stop = net.contract, net.uav
-    side = stop.speed * c.velocity_error + stop.tilt * c.angle_error + stop.rate * c.rate_error + stop.error
+    unknown = stop.speed * c.velocity_error + stop.tilt * c.angle_error + stop.rate * c.rate_error
     for speed in (0.0, 0.5, 1.0):
         margin = 5.0 - nearest_passing(net, speed) - stop.radius
+        side = unknown + stop.miss(speed, 0.0)
         expected = c.position_error + max(side, stop.hold) + speed * (stop.speed + stop.hold_over)
         assert margin == pytest.approx(expected, abs=0.006)
 

@@ -13,6 +13,7 @@ from fledge.geometry import Box, Heading, Vec3
 from fledge.safety import Contract, UavStop, UgvStop
 from fledge.safety.tube import (
     Held,
+    Pace,
     Sent,
     UavTube,
     UgvSent,
@@ -29,6 +30,7 @@ from fledge.world import Obstacle, Reason, UgvState, VelocityCommand
 
 C, UAV, UGV = Contract(), UavStop(), UgvStop.of(P3_DX)
 NOTHING = Sent.nothing(C, 0.0)
+STANDING = Pace(0.0, 0.0)
 NO_ORDERS = UgvSent.nothing(0.0)
 LASTS = UGV.hold_over + C.age + C.latency
 SHARE = 0.0488
@@ -137,7 +139,7 @@ def test_a_uav_may_not_have_heard_its_newest_commands(missed):
 
 
 def test_a_resting_uav_rests():
-    tube = uav_tube(C, UAV, world().uav, (NOTHING,) * 3, 0.0, 0.0)
+    tube = uav_tube(C, UAV, world().uav, (NOTHING,) * 3, STANDING, 0.0)
     assert set(tube.rests) == {Vec3(0.0, 0.0, 0.0)}
     assert tube.error > C.position_error and tube.error_up > C.position_error
 
@@ -145,7 +147,7 @@ def test_a_resting_uav_rests():
 def test_a_uav_under_way_goes_on_by_its_speed_and_by_what_is_pending():
     uav = world(velocity=Vec3(0.6, 0.0, -0.2)).uav
     x = sent(*[0.6] * 300)
-    tube = uav_tube(C, UAV, uav, (x, NOTHING, NOTHING), 0.0, C.age)
+    tube = uav_tube(C, UAV, uav, (x, NOTHING, NOTHING), STANDING, C.age)
     still = UAV.speed * 0.6 + UAV.followed * 0.6
     assert tube.rests[0].x == pytest.approx(still + 0.6 * C.age, abs=1e-3)
     assert tube.late.x == pytest.approx(still + 0.6 * (C.age + C.latency), abs=1e-3)
@@ -164,9 +166,23 @@ def test_a_ugv_that_stands_is_told_apart_from_one_that_goes_on():
     assert go.astern == stop.astern
 
 
-def test_a_uav_that_turns_misses_by_more():
-    still, spinning = (uav_tube(C, UAV, world().uav, (NOTHING,) * 3, spin, 0.0) for spin in (0.0, 1.0))
-    assert spinning.error - still.error == pytest.approx(UAV.spin)
+def test_a_uav_misses_by_more_the_faster_it_flies_and_turns():
+    def error(pace, velocity=Vec3(0.0, 0.0, 0.0)):
+        return uav_tube(C, UAV, world(velocity=velocity).uav, (NOTHING,) * 3, pace, 0.0).error
+
+    unknown = UAV.speed * C.velocity_error + UAV.tilt * C.angle_error + UAV.rate * C.rate_error
+    rest = C.position_error + unknown + UAV.error
+    assert error(Pace(1.2, 0.0)) == pytest.approx(rest + 1.2 * UAV.error_speed)
+    assert error(Pace(1.2, 1.0)) == pytest.approx(rest + 1.2 * (UAV.error_speed + UAV.error_turn))
+    # However it came to be that fast.
+    assert error(Pace(0.3, 0.5), Vec3(0.0, -1.2, 0.0)) == pytest.approx(error(Pace(1.2, 0.5)))
+    assert error(Pace(0.0, 1.0)) == C.position_error + UAV.hold, "on the spot it may turn as it likes"
+
+
+def test_a_pace_fades_and_is_raised_at_once():
+    pace = Pace(1.0, 0.4).then(0.5, 0.8, 0.1)
+    assert pace == pytest.approx((0.9, 0.8))
+    assert pace.then(1.2, 0.0) == (1.2, 0.8)
 
 
 @pytest.mark.parametrize("way", (1.0, -1.0))
@@ -204,7 +220,7 @@ def test_a_nose_swings_as_long_as_its_turning_takes_to_die_down():
 
 def test_another_ugv_is_as_near_as_its_own_stop_may_bring_it():
     me, other = UgvState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), UgvState(3.0, 0.0, pi, 0.3, 0.0, 0.0)
-    uav = (UAV, world().uav, uav_tube(C, UAV, world().uav, (NOTHING,) * 3, 0.0, 0.0))
+    uav = (UAV, world().uav, uav_tube(C, UAV, world().uav, (NOTHING,) * 3, STANDING, 0.0))
     towards = ugv_tube(C, UGV, other, NO_ORDERS, 0.0, 0.0, 0.0)
     *_, face, _ = ugv_faces(C, UGV, HALL, me, ((UGV, other, towards),), uav)
     assert face.gap == pytest.approx(3.0 - 2.0 * UGV.radius)
@@ -246,7 +262,7 @@ def test_beside_or_above_is_enough():
     tall, low = Obstacle(Box(0.5, 1.0, -1.0, 1.0), 5.0), Obstacle(Box(0.5, 1.0, -1.0, 1.0), 1.0)
     for obstacle, z in ((tall, 0.0), (low, 1.0)):
         arena = replace(HALL, obstacles=(obstacle,))
-        tube = uav_tube(C, UAV, world().uav, (NOTHING,) * 3, 0.0, 0.0)
+        tube = uav_tube(C, UAV, world().uav, (NOTHING,) * 3, STANDING, 0.0)
         (face,) = [f for f in uav_faces(C, UAV, arena, world().uav, tube, ()) if f.reason == Reason.OBSTACLE]
         assert face.z == z
 
@@ -254,13 +270,13 @@ def test_beside_or_above_is_enough():
 def test_a_ugv_minds_a_uav_only_when_it_is_low():
     for height, minds in ((3.0, False), (0.3, True)):
         w = world((-1.4, -2.0, height))
-        tube = uav_tube(C, UAV, w.uav, (NOTHING,) * 3, 0.0, 0.0)
+        tube = uav_tube(C, UAV, w.uav, (NOTHING,) * 3, STANDING, 0.0)
         *_, face = ugv_faces(C, UGV, HALL, w.ugvs[0], (), (UAV, w.uav, tube))
         assert (face.room < 1.0) == minds
 
 
 def test_every_wall_is_a_face():
     w = world((4.0, -3.0, 2.0), SPREAD)
-    tube = uav_tube(C, UAV, w.uav, (NOTHING,) * 3, 0.0, 0.0)
+    tube = uav_tube(C, UAV, w.uav, (NOTHING,) * 3, STANDING, 0.0)
     faces = uav_faces(C, UAV, HALL, w.uav, tube, ())
     assert sorted(round(f.gap, 2) for f in faces) == sorted([0.74, 8.74, 1.74, 7.74, 1.9, 3.9])

@@ -1,6 +1,6 @@
 """The stop-tube nets in flight: what each of them must do, in plain Python."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from math import hypot, inf, isfinite, nan, pi
 
 import jax
@@ -10,8 +10,8 @@ from aloft import HALL, HOVER, SPREAD, STILL, always, fly, world
 
 from fledge.geometry import Box, Quat, Vec3
 from fledge.pytrees import register
-from fledge.safety import Barrier, StopTube
-from fledge.safety.tube import UgvSent
+from fledge.safety import Barrier, StopTube, UgvStop
+from fledge.safety.tube import Pace, UgvSent, uav_error
 from fledge.safety.turns import UavTurn, UgvTurn, in_turn
 from fledge.world import Commands, Obstacle, Reason, UavState, UgvState, VelocityCommand, WorldState
 
@@ -312,7 +312,9 @@ def test_a_ugv_makes_room_for_what_the_uav_was_just_allowed():
         raise AssertionError
 
     towards = nearest(VelocityCommand(-1.0, 0.0, 0.0, 0.0)) - nearest(HOVER)
-    assert towards == pytest.approx(net.uav.hold_over, abs=0.006)
+    uav = world().uav
+    faster, standing = (uav_error(net.contract, net.uav, uav, Pace(speed, 0.0)) for speed in (1.0, 0.0))
+    assert towards == pytest.approx(net.uav.hold_over + faster - standing, abs=0.006)
 
 
 @BOTH
@@ -324,15 +326,52 @@ def test_where_there_is_no_room_a_uav_holds_on_at_speed(net):
 
 
 @BOTH
-def test_a_turn_is_remembered_until_its_lags_are_over(net):
+def test_a_pace_is_remembered_until_its_lags_are_over(net):
     memory = net.init(HALL, world())
-    spin = []
-    for tick in range(60):
-        turn = VelocityCommand(0.0, 0.0, 0.0, 1.0 if tick == 0 else 0.0)
-        memory, _ = net.filter(memory, world(t=0.01 * tick), Commands(turn, STILL.ugvs))
-        spin.append(memory.uav.spin)
-    assert spin[0] == 1.0 and spin == sorted(spin, reverse=True)
-    assert spin[10] > 0.75 and spin[-1] < 0.4
+    paces = []
+    for tick in range(120):
+        fast = 1.0 if tick == 0 else 0.0
+        told = VelocityCommand(0.6 * fast, 0.8 * fast, 0.0, fast)
+        memory, _ = net.filter(memory, world(t=0.01 * tick), Commands(told, STILL.ugvs))
+        paces.append(memory.uav.pace)
+    for lately in zip(*paces, strict=True):
+        assert lately[0] == pytest.approx(1.0) and list(lately) == sorted(lately, reverse=True)
+        assert lately[10] > 0.75 and lately[-1] < 0.4
+
+
+@BOTH
+def test_a_command_that_quickens_has_to_leave_room_for_what_its_stop_may_miss(net):
+    """Along a wall straight on it passes, and turning it might not be stopped where it would be now."""
+    start = world((4.5, 0.0, 3.0))
+    straight, turning = (
+        net.filter(net.init(HALL, start), start, Commands(VelocityCommand(0.0, 1.0, 0.0, turn), STILL.ugvs))
+        for turn in (0.0, 1.0)
+    )
+    assert not straight[1][0].intervened and turning[1][0].intervened
+
+
+@dataclass(frozen=True)
+class Watched(StopTube):
+    """Notes what room the UAV leaves a UGV."""
+
+    rooms: list[float] = field(default_factory=list)
+
+    def decide_ugv(self, stop: UgvStop, turn: UgvTurn) -> tuple[bool, float]:
+        self.rooms.append(turn.faces[-1].room)
+        return StopTube.decide_ugv(self, stop, turn)
+
+
+def test_a_uav_that_was_let_go_faster_is_given_a_wider_berth_at_once():
+    """It flies past a UGV, low: its way leads elsewhere, but its stop may miss by more."""
+    start, net = world((-0.8, -2.0, 0.3)), Watched()
+    for left in (0.0, 1.0):
+        go = Commands(VelocityCommand(0.0, left, 0.0, 0.0), STILL.ugvs)
+        _, (uav, *_) = net.filter(net.init(HALL, start), start, go)
+        assert not uav.intervened
+    standing, flying = net.rooms[0], net.rooms[3]
+    faster = (uav_error(net.contract, net.uav, start.uav, Pace(speed, 0.0)) for speed in (1.0, 0.0))
+    assert standing - flying == pytest.approx(next(faster) - next(faster))
+    assert standing - flying > 0.02
 
 
 @dataclass(frozen=True)

@@ -58,7 +58,7 @@ class Overruns:
         return cls(float(np.sort(overruns.max(axis=1))[rank - 1]), alpha, n)
 
 
-AR_DRONE = Overruns(delta=0.056, alpha=0.01, episodes=999)
+AR_DRONE = Overruns(delta=-0.014, alpha=0.01, episodes=999)
 """Of `REAL_AR_DRONE`, beyond the default `UavStop`: `overruns.fly_stops(REAL_AR_DRONE, (0,), 999)`."""
 
 

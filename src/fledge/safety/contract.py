@@ -9,6 +9,7 @@ again.
 from dataclasses import dataclass
 
 from fledge.dynamics import Pioneer
+from fledge.scalars import Scalar
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +41,8 @@ class UavStop:
     In its linear range the way to the stop is a linear function of the state, per heading axis:
     `speed` v + `tilt` theta + `rate` theta' + `followed` f, with f the command its filter still follows; to which comes
     what commands on their way to it will add, their speed times their duration. Fitted to restless flights of
-    `Quadrotor`, commands jumping between the extremes every 10 to 800 ms; `error` bounds what remains.
+    `Quadrotor`, commands jumping between the extremes every 10 to 800 ms. What remains grows with the speed, since the
+    range is not quite linear, and while it turns, since its lags turn with it: `miss` bounds it.
     """
 
     radius: float = 0.26  # [m] of the indoor hull, as `Quadrotor.radius`
@@ -52,10 +54,9 @@ class UavStop:
     tilt: float = 0.312  # [m/rad]
     rate: float = 0.0313  # [m s/rad]
     followed: float = 0.0255  # [s]
-    error: float = 0.07  # [m]
-    spin: float = (
-        0.35  # [m s/rad] by how much more a UAV that turns misses: its lags turn with it; at most 0.28 found
-    )
+    error: float = 0.01  # [m] by which a stop from a crawl misses
+    error_speed: float = 0.09  # [s] what a speed adds
+    error_turn: float = 0.15  # [s^2/rad] what a speed adds at a rate of turning
     speed_up: float = 0.338  # [s]
     followed_up: float = 0.046  # [s]
     error_up: float = 0.02  # [m]
@@ -65,6 +66,10 @@ class UavStop:
     """[s] it goes on with the last command when the link is lost: the AR.Drone's watchdog."""
     silence: float = 0.3
     """[s] for which it may be left alone then; chosen, since its own hover drifts."""
+
+    def miss(self, speed: Scalar, turn: Scalar) -> Scalar:
+        """By how much at most a stop misses that point [m] after flying at a speed [m/s] and turning [rad/s]."""
+        return self.error + speed * (self.error_speed + self.error_turn * turn)
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from fledge.world import UgvState, WorldState
 def halts(net: Deciding, memory: Memory, world: WorldState) -> tuple[Halt, ...]:
     """Those of all vehicles, the UAV's first, by the contract of a net and what it remembers having sent."""
     uav, sent = world.uav, memory.uav
-    tube = uav_tube(net.contract, net.uav, uav, sent.sent, sent.spin, world.t - uav.stamp)
+    tube = uav_tube(net.contract, net.uav, uav, sent.sent, sent.pace, world.t - uav.stamp)
     first = Halt(uav.position.x + tube.late.x, uav.position.y + tube.late.y, tube.error)
     others = zip(net.ugvs, world.ugvs, memory.ugvs, strict=True)
     return (first, *(_ugv(net, stop, ugv, one, world.t) for stop, ugv, one in others))

@@ -85,6 +85,19 @@ class UavTube(NamedTuple):
         return self._replace(least=Vec3(x, y, z), most=Vec3(ahead, aside, above))
 
 
+class Pace(NamedTuple):
+    """How fast the UAV was told to move lately: the most of it, which fades."""
+
+    speed: Scalar
+    """In the plane [m/s]."""
+    turn: Scalar
+    """[rad/s]."""
+
+    def then(self, speed: Scalar, turn: Scalar, share: float = 0.0) -> "Pace":
+        """One command more; `share` is how much of what was before has faded meanwhile."""
+        return Pace(maximum(self.speed * (1.0 - share), speed), maximum(self.turn * (1.0 - share), turn))
+
+
 class UgvTube(NamedTuple):
     """How far a UGV goes that has gone on with a command until its own watchdog ended it."""
 
@@ -223,10 +236,10 @@ def uav_tube(
     stop: UavStop,
     uav: UavState,
     sent: tuple[Sent, Sent, Sent],
-    spin: Scalar,
+    pace: Pace,
     age: Scalar,
 ) -> UavTube:
-    """The stop of a UAV measured `age` [s] ago that was sent commands along the world's axes, turning at `spin`."""
+    """The stop of a UAV measured `age` [s] ago that was sent commands along the world's axes, at such a pace."""
     heading = uav.attitude.heading()
     roll, pitch, _ = uav.attitude.tilt()
     forward, left = heading.from_world(uav.velocity.x, uav.velocity.y)
@@ -245,15 +258,21 @@ def uav_tube(
         T = contract.period
         return Vec3(dx + T * x, dy + T * y, up + stop.followed_up * fz + T * z)
 
-    # A stop ends beyond its point by `side`, or is pushed off the point it holds by `hold`; never by both.
-    side = stop.speed * contract.velocity_error + stop.tilt * contract.angle_error
-    side = side + stop.rate * contract.rate_error + stop.error + stop.spin * spin
     height = stop.speed_up * contract.velocity_error + stop.error_up
-    error = contract.position_error + maximum(stop.hold, side)
-    error_up = contract.position_error + max(stop.hold, height)
+    error, error_up = uav_error(contract, stop, uav, pace), contract.position_error + max(stop.hold, height)
     since, lag = age / contract.period, contract.latency / contract.period
     rests = (rest(since), rest(since + 0.5 * lag), rest(since + lag))
-    return UavTube(rests, error, error_up + 0.0 * spin)
+    return UavTube(rests, error, error_up + 0.0 * error)
+
+
+def uav_error(contract: Contract, stop: UavStop, uav: UavState, pace: Pace) -> Scalar:
+    """By how much the UAV's stop may miss its point, sideways [m]."""
+    v = uav.velocity
+    speed = maximum(pace.speed, sqrt(v.x * v.x + v.y * v.y))
+    side = stop.speed * contract.velocity_error + stop.tilt * contract.angle_error
+    side = side + stop.rate * contract.rate_error + stop.miss(speed, pace.turn)
+    # A stop ends beyond its point by `side`, or is pushed off the point it holds by `hold`; never by both.
+    return contract.position_error + maximum(stop.hold, side)
 
 
 def ugv_tube(

@@ -19,18 +19,20 @@ from fledge.safety.contract import Contract, UavStop, UgvStop
 from fledge.safety.tube import (
     FREE,
     Face,
+    Pace,
     Sent,
     UavTube,
     UgvSent,
     UgvTube,
     filter_share,
+    uav_error,
     uav_faces,
     uav_tube,
     ugv_commitment,
     ugv_faces,
     ugv_tube,
 )
-from fledge.scalars import Scalar, clip, isfinite, maximum, minimum, negate, where
+from fledge.scalars import Scalar, clip, isfinite, maximum, minimum, negate, sqrt, where
 from fledge.world import Arena, Commands, Reason, UavState, UgvState, VelocityCommand, Verdict, WorldState
 
 SLOW = 0.3
@@ -43,8 +45,8 @@ DRIFT = 0.1
 """[m/s] with which the contract's disturbance drives a UAV that is told to hover; in the simulator 0.06."""
 BLIND = 2.0
 """[s] for which a UAV is kept off things that it no longer sees; chosen, then it should have been landed."""
-CALMING = 0.5
-"""[s] in which a turn of the UAV stops to matter; a few of its lags."""
+CALMING = 1.0
+"""[s] in which the pace of the UAV stops to matter; a few of its lags, and half of that was too short."""
 LEAD = 0.2
 """[m] it may be ahead of the UAV."""
 STANDS = 0.1
@@ -55,8 +57,7 @@ class UavMemory(NamedTuple):
     """Of the UAV: what it was sent along the world's axes, and the point it holds."""
 
     sent: tuple[Sent, Sent, Sent]
-    spin: Scalar
-    """[rad/s] at which it was told to turn lately."""
+    pace: Pace
     holding: Scalar
     """1 while it holds a point."""
     point: Vec3
@@ -133,7 +134,7 @@ def begin(net: Deciding, arena: Arena, world: WorldState) -> Memory:
     # A broken clock must not break the memory.
     zero = where(isfinite(world.t), 0.0 * world.t, 0.0)
     still = Sent.nothing(net.contract, zero)
-    uav = UavMemory((still, still, still), zero, zero, world.uav.position)
+    uav = UavMemory((still, still, still), Pace(zero, zero), zero, world.uav.position)
     return Memory(arena, uav, (UgvSent.nothing(zero),) * len(world.ugvs))
 
 
@@ -142,7 +143,7 @@ def in_turn(
 ) -> tuple[Memory, tuple[Verdict, ...]]:
     """(memory, verdicts), the UAV's first."""
     age = world.t - world.uav.stamp
-    tube = uav_tube(net.contract, net.uav, world.uav, memory.uav.sent, memory.uav.spin, age)
+    tube = uav_tube(net.contract, net.uav, world.uav, memory.uav.sent, memory.uav.pace, age)
     commitments = [
         ugv_commitment(net.contract, stop, ugv, sent, world.t - ugv.stamp)
         for stop, ugv, sent in zip(net.ugvs, world.ugvs, memory.ugvs, strict=True)
@@ -175,8 +176,9 @@ def sent_instead(net: Deciding, memory: Memory, world: WorldState, instead: Comm
         where(level, along_y.instead(y), along_y),
         where(up, along_z.instead(c.up), along_z),
     )
-    spin = where(turn, maximum(uav.spin, abs(c.turn)), uav.spin)
-    uav = UavMemory(axes, spin, where(level, 0.0 * uav.holding, uav.holding), uav.point)
+    zero = 0.0 * uav.holding
+    pace = uav.pace.then(where(level, sqrt(x * x + y * y), zero), where(turn, abs(c.turn), zero))
+    uav = UavMemory(axes, pace, where(level, zero, uav.holding), uav.point)
     ugvs = tuple(
         where(isfinite(c.forward + c.turn), sent.then(net.contract, stop, c.forward, c.turn, 0.0), sent)
         for stop, sent, c in zip(net.ugvs, memory.ugvs, instead.ugvs, strict=True)
@@ -207,7 +209,11 @@ def _uav(
     fresh = _fresh(net.contract, age)
     tightest, gap = _tightest(faces, [face.room for face in faces])
     known = number & fresh & _whole(world.uav)
-    passes, chosen = net.decide_uav(UavTurn(wanted, known, faces, heading))
+    fades = net.contract.period / CALMING
+    quicker = memory.pace.then(sqrt(x * x + y * y), abs(turn), fades)
+    passes, chosen = net.decide_uav(
+        UavTurn(wanted, known, _after(net, world.uav, quicker, tube, faces), heading)
+    )
     memory, held = _hold(net.contract, memory, world.uav, age, tube, tightest, passes)
     held = where(age <= 2.0 * net.contract.age, held, _adrift(faces, age))
     same = passes & (chosen.x == wanted.x) & (chosen.y == wanted.y) & (chosen.z == wanted.z)
@@ -224,11 +230,18 @@ def _uav(
         along_y.then(velocity.y, share),
         along_z.then(velocity.z, share),
     )
-    spin = maximum(memory.spin * (1.0 - net.contract.period / CALMING), abs(sent.turn))
+    pace = memory.pace.then(sqrt(velocity.x * velocity.x + velocity.y * velocity.y), abs(sent.turn), fades)
     reason = where(number, where(fresh, tightest.reason, Reason.STALE), Reason.NOT_FINITE)
-    memory = memory._replace(sent=axes, spin=spin)
+    memory = memory._replace(sent=axes, pace=pace)
     tube = tube.unheard(axes, net.contract.period, stop.hold_over)
+    tube = tube._replace(error=uav_error(net.contract, stop, world.uav, pace))
     return memory, tube, _verdict(proposed, sent, reason, gap)
+
+
+def _after(net: Deciding, uav: UavState, pace: Pace, tube: UavTube, faces: list[Face]) -> list[Face]:
+    """The faces, with the room that is left if the UAV goes at a pace: the stop after that misses by more."""
+    more = maximum(uav_error(net.contract, net.uav, uav, pace) - tube.error, 0.0)
+    return [face._replace(room=face.room - more * (1.0 - face.z * face.z)) for face in faces]
 
 
 def _whole(uav: UavState) -> Scalar:

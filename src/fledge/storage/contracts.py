@@ -41,9 +41,9 @@ UNITS = {
         for name in ("position_error", "radius", "half_height", "height", "error", "error_up", "hold")
     },
     **{name: "m_s" for name in ("velocity_error", "most", "most_up")},
-    **{name: "s" for name in ("speed", "speed_up", "followed", "followed_up")},
+    **{name: "s" for name in ("speed", "speed_up", "followed", "followed_up", "error_speed")},
     **{"angle_error": "rad", "rate_error": "rad_s", "most_turn": "rad_s", "tilt": "m_rad"},
-    **{"rate": "m_s_rad", "spin": "m_s_rad", "disturbance": "m_s2", "acceleration": "m_s2"},
+    **{"rate": "m_s_rad", "error_turn": "s2_rad", "disturbance": "m_s2", "acceleration": "m_s2"},
     "turn_acceleration": "rad_s2",
 }
 """By a field's name: the end of its key."""

@@ -16,8 +16,9 @@ from fledge.dynamics import Quadrotor, UavMemory
 from fledge.geometry import Quat, Vec3
 from fledge.observation import StickScale
 from fledge.safety import Contract, UavStop
-from fledge.safety.tube import Sent, filter_share, uav_tube
-from fledge.scalars import clip, maximum, minimum, sqrt
+from fledge.safety.tube import Pace, Sent, filter_share, uav_tube
+from fledge.safety.turns import CALMING
+from fledge.scalars import Scalar, clip, maximum, minimum, sqrt
 from fledge.simulation import STEP, STEPS_PER_TICK, TICK
 from fledge.world import UavState, VelocityCommand
 
@@ -39,6 +40,7 @@ class Flying(NamedTuple):
     uav: UavState
     memory: UavMemory
     sent: tuple[Sent, Sent, Sent]
+    pace: Pace
 
 
 def fly_stops(
@@ -60,22 +62,24 @@ def fly_stops(
     for _ in range(stops):
         for _ in range(APPROACH_TICKS):
             flying = _tick(model, flying, next(commands), share)
-        begin, ahead = flying.uav, uav_tube(contract, stop, flying.uav, flying.sent, zero, zero).rests[0]
+        begin, v, pace = flying.uav, flying.uav.velocity, flying.pace
+        ahead = uav_tube(contract, stop, begin, flying.sent, pace, zero).rests[0]
+        miss = stop.miss(maximum(pace.speed, sqrt(v.x * v.x + v.y * v.y)), pace.turn)
         worst = zero - np.inf
         for _ in range(STOP_TICKS):
             flying = _tick(model, flying, hover, share)
-            worst = maximum(worst, overrun(stop, ahead, flying.uav.position - begin.position))
+            worst = maximum(worst, overrun(miss, stop.error_up, ahead, flying.uav.position - begin.position))
         overruns.append(worst)
     return np.stack(overruns, axis=1)
 
 
-def overrun(stop: UavStop, ahead: Vec3, moved: Vec3) -> np.ndarray:
-    """By how much the bound is too small [m] for a UAV that was to stop `ahead` of where it was and has `moved`."""
+def overrun(miss: Scalar, miss_up: float, ahead: Vec3, moved: Vec3) -> np.ndarray:
+    """By how much these bounds are too small [m] for a UAV that was to stop `ahead` of where it was and has `moved`."""
     share = (moved.x * ahead.x + moved.y * ahead.y) / (ahead.x * ahead.x + ahead.y * ahead.y + TINY)
     beside = moved - ahead * clip(share, 0.0, 1.0)
     across = sqrt(beside.x * beside.x + beside.y * beside.y)
     up, down = moved.z - maximum(ahead.z, 0.0), minimum(ahead.z, 0.0) - moved.z
-    return maximum(across - stop.error, maximum(up, down) - stop.error_up)
+    return maximum(across - miss, maximum(up, down) - miss_up)
 
 
 def _restless(rng: np.random.Generator, episodes: int) -> Iterator[VelocityCommand]:
@@ -100,15 +104,16 @@ def _begin(model: Quadrotor, contract: Contract, yaw: np.ndarray) -> Flying:
     nothing = Vec3(zero, zero, zero)
     uav = UavState(Vec3(zero, zero, zero + HIGH), nothing, Quat.from_yaw(yaw), nothing, zero)
     silence = Sent.nothing(contract, zero)
-    return Flying(uav, model.init(uav), (silence, silence, silence))
+    return Flying(uav, model.init(uav), (silence, silence, silence), Pace(zero, zero))
 
 
 def _tick(model: Quadrotor, flying: Flying, command: VelocityCommand, share: float) -> Flying:
     """One tick later; `share` as in `Sent.then`."""
-    uav, memory, sent = flying
+    uav, memory, sent, pace = flying
     x, y = uav.attitude.heading().to_world(command.forward, command.left)
     a, b, c = (axis.then(v, share) for axis, v in zip(sent, (x, y, command.up), strict=True))
+    pace = pace.then(sqrt(x * x + y * y), abs(command.turn), TICK / CALMING)
     still = Vec3(0.0, 0.0, 0.0)
     for _ in range(STEPS_PER_TICK):
         memory, uav = model.step(memory, uav, command, still, STEP)
-    return Flying(uav, memory, (a, b, c))
+    return Flying(uav, memory, (a, b, c), pace)

@@ -12,8 +12,8 @@
 | of UGVs | the least deceleration of any stop (`brakes`); as the simulated ones' where they said nothing |
 
 The rest stays as the contract has it: the net's own period and the age beyond which it believes nothing, hulls, what a
-vehicle does when its link is lost, `spin`, since the exciter does not turn. A calibration that is wrong by a centimetre
-looks right from inside, and weather changes: so noise and pushes that were seen can only raise a bound.
+vehicle does when its link is lost, `error_turn`, since the exciter does not turn. A calibration that is wrong by a
+centimetre looks right from inside, and weather changes: so noise and pushes that were seen can only raise a bound.
 
 Flights that show too little are refused. So nothing here is a guess, but for what is said above.
 """
@@ -194,7 +194,18 @@ def _stop(law: Law, flights: Sequence[Flown], contract: Contract, before: Terms)
     )
 
 
-FITTED = ("speed", "tilt", "rate", "followed", "error", "speed_up", "followed_up", "error_up", "lag")
+FITTED = (
+    "speed",
+    "tilt",
+    "rate",
+    "followed",
+    "error",
+    "error_speed",
+    "speed_up",
+    "followed_up",
+    "error_up",
+    "lag",
+)
 """What a law says of a `UavStop`."""
 
 

@@ -27,7 +27,7 @@ from fledge.lab.survey.bounds import bound
 from fledge.lab.survey.smoothing import smooth
 from fledge.lab.survey.traces import Trace
 from fledge.safety.contract import Contract, UavStop
-from fledge.safety.tube import Sent, filter_share, uav_tube
+from fledge.safety.tube import Pace, Sent, filter_share, uav_tube
 from fledge.supervision.watchdog import TICK
 from fledge.world import UavState
 
@@ -43,7 +43,7 @@ LEAST_WAY = 0.05
 """[m] added to the way that a sample weighs by; chosen: what does not move counts a little, too."""
 ROUND = 72
 """Directions in which a hull is looked at."""
-ZERO = UavStop(speed=0.0, tilt=0.0, rate=0.0, followed=0.0, speed_up=0.0, followed_up=0.0)
+ZERO = UavStop(speed=0.0, tilt=0.0, rate=0.0, followed=0.0, error_speed=0.0, speed_up=0.0, followed_up=0.0)
 
 
 class Flown(NamedTuple):
@@ -170,7 +170,9 @@ def _over(speed: np.ndarray, one: Stop) -> int:
 
 def _rests(flight: Flown, contract: Contract, stop: UavStop) -> tuple[Vec3, ...]:
     """What the nets predict in every tick [m]."""
-    return uav_tube(contract, stop, flight.state, _sent(flight, contract, stop), 0.0, flight.age).rests
+    return uav_tube(
+        contract, stop, flight.state, _sent(flight, contract, stop), Pace(0.0, 0.0), flight.age
+    ).rests
 
 
 def _sent(flight: Flown, contract: Contract, stop: UavStop) -> tuple[Sent, Sent, Sent]:
