@@ -35,7 +35,7 @@ def restless(longest: int, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarra
         )
         told = np.where(left <= 0, fresh, told)
         left = np.where(left <= 0, rng.integers(1, longest + 1, FLIGHTS), left - 1)
-        pace = pace.then(np.hypot(told[0], told[1]), zero, 0.01 / CALMING)
+        pace = pace.then(told[0], told[1], zero, 0.01 / CALMING)
         followed = followed + (told[0] - followed) * (1.0 - np.exp(-0.01 / stop.lag))
         for _ in range(STEPS_PER_TICK):
             memory, state = model.step(

@@ -180,9 +180,9 @@ def test_a_uav_misses_by_more_the_faster_it_flies_and_turns():
 
 
 def test_a_pace_fades_and_is_raised_at_once():
-    pace = Pace(1.0, 0.4).then(0.5, 0.8, 0.1)
+    pace = Pace(1.0, 0.4).then(0.3, -0.4, -0.8, 0.1)
     assert pace == pytest.approx((0.9, 0.8))
-    assert pace.then(1.2, 0.0) == (1.2, 0.8)
+    assert pace.then(0.0, -1.2, 0.0) == (1.2, 0.8)
 
 
 @pytest.mark.parametrize("way", (1.0, -1.0))

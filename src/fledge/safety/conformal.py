@@ -1,6 +1,6 @@
 """The stop tube with a margin that was learnt: the paper's "internal soft constraint".
 
-`UavStop.error` bounds how far a stop may miss its predicted end; it was fitted to one vehicle in one kind of flight.
+`UavStop.miss` bounds how far a stop may miss its predicted end; it was fitted to one vehicle in one kind of flight.
 This net enlarges it by what flown stops of the vehicle at hand have shown. It never shrinks it: where the learnt margin
 is nothing, or wrong, what the stop tube proves still holds, since a larger bound is a bound as well.
 

@@ -93,9 +93,10 @@ class Pace(NamedTuple):
     turn: Scalar
     """[rad/s]."""
 
-    def then(self, speed: Scalar, turn: Scalar, share: float = 0.0) -> "Pace":
+    def then(self, x: Scalar, y: Scalar, turn: Scalar, share: float = 0.0) -> "Pace":
         """One command more; `share` is how much of what was before has faded meanwhile."""
-        return Pace(maximum(self.speed * (1.0 - share), speed), maximum(self.turn * (1.0 - share), turn))
+        speed, left = sqrt(x * x + y * y), 1.0 - share
+        return Pace(maximum(self.speed * left, speed), maximum(self.turn * left, abs(turn)))
 
 
 class UgvTube(NamedTuple):
@@ -267,12 +268,16 @@ def uav_tube(
 
 def uav_error(contract: Contract, stop: UavStop, uav: UavState, pace: Pace) -> Scalar:
     """By how much the UAV's stop may miss its point, sideways [m]."""
-    v = uav.velocity
-    speed = maximum(pace.speed, sqrt(v.x * v.x + v.y * v.y))
     side = stop.speed * contract.velocity_error + stop.tilt * contract.angle_error
-    side = side + stop.rate * contract.rate_error + stop.miss(speed, pace.turn)
+    side = side + stop.rate * contract.rate_error + uav_miss(stop, uav, pace)
     # A stop ends beyond its point by `side`, or is pushed off the point it holds by `hold`; never by both.
     return contract.position_error + maximum(stop.hold, side)
+
+
+def uav_miss(stop: UavStop, uav: UavState, pace: Pace) -> Scalar:
+    """The part of that which the linear law misses, of a UAV that moves, however it came to be that fast [m]."""
+    moving = pace.then(uav.velocity.x, uav.velocity.y, 0.0)
+    return stop.miss(moving.speed, moving.turn)
 
 
 def ugv_tube(

@@ -32,7 +32,7 @@ from fledge.safety.tube import (
     ugv_faces,
     ugv_tube,
 )
-from fledge.scalars import Scalar, clip, isfinite, maximum, minimum, negate, sqrt, where
+from fledge.scalars import Scalar, clip, isfinite, maximum, minimum, negate, where
 from fledge.world import Arena, Commands, Reason, UavState, UgvState, VelocityCommand, Verdict, WorldState
 
 SLOW = 0.3
@@ -177,7 +177,7 @@ def sent_instead(net: Deciding, memory: Memory, world: WorldState, instead: Comm
         where(up, along_z.instead(c.up), along_z),
     )
     zero = 0.0 * uav.holding
-    pace = uav.pace.then(where(level, sqrt(x * x + y * y), zero), where(turn, abs(c.turn), zero))
+    pace = uav.pace.then(where(level, x, zero), where(level, y, zero), where(turn, c.turn, zero))
     uav = UavMemory(axes, pace, where(level, zero, uav.holding), uav.point)
     ugvs = tuple(
         where(isfinite(c.forward + c.turn), sent.then(net.contract, stop, c.forward, c.turn, 0.0), sent)
@@ -210,7 +210,7 @@ def _uav(
     tightest, gap = _tightest(faces, [face.room for face in faces])
     known = number & fresh & _whole(world.uav)
     fades = net.contract.period / CALMING
-    quicker = memory.pace.then(sqrt(x * x + y * y), abs(turn), fades)
+    quicker = memory.pace.then(x, y, turn, fades)
     passes, chosen = net.decide_uav(
         UavTurn(wanted, known, _after(net, world.uav, quicker, tube, faces), heading)
     )
@@ -230,7 +230,7 @@ def _uav(
         along_y.then(velocity.y, share),
         along_z.then(velocity.z, share),
     )
-    pace = memory.pace.then(sqrt(velocity.x * velocity.x + velocity.y * velocity.y), abs(sent.turn), fades)
+    pace = memory.pace.then(velocity.x, velocity.y, sent.turn, fades)
     reason = where(number, where(fresh, tightest.reason, Reason.STALE), Reason.NOT_FINITE)
     memory = memory._replace(sent=axes, pace=pace)
     tube = tube.unheard(axes, net.contract.period, stop.hold_over)

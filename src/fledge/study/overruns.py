@@ -16,7 +16,7 @@ from fledge.dynamics import Quadrotor, UavMemory
 from fledge.geometry import Quat, Vec3
 from fledge.observation import StickScale
 from fledge.safety import Contract, UavStop
-from fledge.safety.tube import Pace, Sent, filter_share, uav_tube
+from fledge.safety.tube import Pace, Sent, filter_share, uav_miss, uav_tube
 from fledge.safety.turns import CALMING
 from fledge.scalars import Scalar, clip, maximum, minimum, sqrt
 from fledge.simulation import STEP, STEPS_PER_TICK, TICK
@@ -62,9 +62,9 @@ def fly_stops(
     for _ in range(stops):
         for _ in range(APPROACH_TICKS):
             flying = _tick(model, flying, next(commands), share)
-        begin, v, pace = flying.uav, flying.uav.velocity, flying.pace
-        ahead = uav_tube(contract, stop, begin, flying.sent, pace, zero).rests[0]
-        miss = stop.miss(maximum(pace.speed, sqrt(v.x * v.x + v.y * v.y)), pace.turn)
+        begin = flying.uav
+        ahead = uav_tube(contract, stop, begin, flying.sent, flying.pace, zero).rests[0]
+        miss = uav_miss(stop, begin, flying.pace)
         worst = zero - np.inf
         for _ in range(STOP_TICKS):
             flying = _tick(model, flying, hover, share)
@@ -112,7 +112,7 @@ def _tick(model: Quadrotor, flying: Flying, command: VelocityCommand, share: flo
     uav, memory, sent, pace = flying
     x, y = uav.attitude.heading().to_world(command.forward, command.left)
     a, b, c = (axis.then(v, share) for axis, v in zip(sent, (x, y, command.up), strict=True))
-    pace = pace.then(sqrt(x * x + y * y), abs(command.turn), TICK / CALMING)
+    pace = pace.then(x, y, command.turn, TICK / CALMING)
     still = Vec3(0.0, 0.0, 0.0)
     for _ in range(STEPS_PER_TICK):
         memory, uav = model.step(memory, uav, command, still, STEP)
