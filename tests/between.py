@@ -5,23 +5,22 @@
 
 What becomes of a datagram is its wire's `Fate`, a function of chance and bytes, which may change at any time. The twin
 has one loopback address, and the controller is told another, at which it finds us.
-
-It is a process of its own: in a thread, a test that reads a log keeps it from the datagrams for a tenth of a second.
 """
 
 import heapq
-import multiprocessing
 import select
 import socket
 import struct
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import count
 from random import Random
+
+from processes import beside
 
 from fledge.lab.wire import ardrone, navdata, vicon
 from fledge.lab.wire.datagrams import AT, NAVDATA, VICON
@@ -125,13 +124,10 @@ class Traffic:
 
 
 class Between:
-    """The go-between: a context, at work in a process of its own."""
+    """The go-between, as a test has it."""
 
-    def __init__(self, lab, ours, seed=0):
-        """`lab` is the twin's address, `ours` the one that the controller is told."""
-        spawn = multiprocessing.get_context("spawn")
-        self._line, other = spawn.Pipe()
-        self._process = spawn.Process(target=_serve, args=(other, lab, ours, seed), daemon=True)
+    def __init__(self, line):
+        self._line = line
 
     def turn(self, **fates: Fate) -> Traffic:
         """Wires have other fates from now on; returns what has gone through until now."""
@@ -148,19 +144,15 @@ class Between:
         self.turn(**dict.fromkeys(fates, kept))
         return begin, end
 
-    def __enter__(self):
-        self._process.start()
-        assert self._line.poll(30.0), "the go-between did not start"
-        self._line.recv()
-        return self
 
-    def __exit__(self, *_):
-        self._line.send(None)
-        self._process.join()
+@contextmanager
+def between(lab, ours, seed=0):
+    """A go-between at work; `lab` is the twin's address, `ours` the one that the controller is told."""
+    with beside(_serve, lab, ours, seed) as line:
+        yield Between(line)
 
 
 def _serve(line, lab, ours, seed):
-    """The process: passes on until the line says None."""
     wires = _Wires(lab, ours, seed)
     line.send("ready")
     while True:

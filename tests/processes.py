@@ -83,26 +83,32 @@ def modes(path):
 
 
 @contextmanager
-def sticks(address):
-    """Somebody with a wire: a function that says how all operators are from now on, fifty times a second.
+def beside(target, *arguments):
+    """Our end of a line to a function in a process of its own, which says a word when it is ready and ends on None.
 
-    In a process of its own: a test that reads a log would keep a thread from talking.
+    What keeps time does not share a process with a test: one that reads a log would keep its threads waiting.
     """
     spawn = multiprocessing.get_context("spawn")
     line, other = spawn.Pipe()
-    somebody = spawn.Process(target=_talk, args=(other, address), daemon=True)
-    somebody.start()
-    assert line.poll(30.0), "nobody came to the sticks"
+    running = spawn.Process(target=target, args=(other, *arguments), daemon=True)
+    running.start()
+    assert line.poll(30.0), f"{target.__name__} did not start"
     line.recv()
     try:
-        yield line.send
+        yield line
     finally:
         line.send(None)
-        somebody.join()
+        running.join()
+
+
+@contextmanager
+def sticks(address):
+    """Somebody with a wire: a function that says how all operators are from now on, fifty times a second."""
+    with beside(_talk, address) as line:
+        yield line.send
 
 
 def _talk(line, address):
-    """The process: talks until the line says None."""
     mouth, uav = UdpPort(Wire(STICKS, there=address)), Operator()
     line.send("ready")
     for number in count():

@@ -15,7 +15,7 @@ from contextlib import contextmanager
 
 import debian
 import pytest
-from between import Between, corrupt, doubled, doubled_up, kept, late, lost, renumbered, swapped
+from between import between, corrupt, doubled, doubled_up, kept, late, lost, renumbered, swapped
 from loopback import own_host
 from processes import flown_to, process, ticks_of, until
 
@@ -79,7 +79,7 @@ def flight(folder, *arguments):
         until(twin, "Ctrl-C ends")
         wires = ("--mocap", f"vicon://{ours}", "--vehicle", f"ardrone://{ours}", "--log", "log.mcap")
         with (
-            Between(lab, ours) as go,
+            between(lab, ours) as go,
             process("fly", "--pilot", "servo", *wires, *arguments, cwd=folder) as fly,
         ):
             yield Flight(folder, go), fly
