@@ -13,10 +13,13 @@ from fledge.pytrees import register
 from fledge.simulation import Rig
 from fledge.world import Arena, Obstacle, UavState, UgvState, WorldState
 
+pytestmark = pytest.mark.slow
+
 RIG = Rig()
 STILL = Vec3(0.0, 0.0, 0.0)
 HALL = Arena(Box(-5.0, 5.0, -5.0, 5.0), 6.0, (Obstacle(Box(3.0, 3.5, -1.0, 1.0), 1.0),))
 EAST = Vec3(1.0, 0.0, 0.0)
+LID = RIG.formation.fleet[0].height
 LOOK = jax.jit(partial(way_out, RIG))
 
 
@@ -47,6 +50,13 @@ def test_it_does_not_try_the_same_way_twice():
     first, _ = way(now, 0)
     second, exists = way(now, 0, tried=Vec3(*first))
     assert exists and first @ second < 0.99
+
+
+@pytest.mark.parametrize("side", [-0.1, 0.1])
+def test_it_leads_out_from_under_a_uav(side):
+    """As roomy as anything else at first is the way to the other side of it."""
+    found, exists = way(world((0.0, 0.0, 0.25 + RIG.uav.half_height + LID), (0.0, side)), 1)
+    assert exists and found[1] * side > 0.09
 
 
 def test_who_is_walled_in_has_no_way():
