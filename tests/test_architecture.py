@@ -12,6 +12,8 @@ from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
+import pytest
+
 SRC = Path(__file__).parents[1] / "src" / "fledge"
 TESTS = Path(__file__).parent
 
@@ -179,6 +181,7 @@ def loaded_after(statement: str) -> set[str]:
     return set(fresh.stdout.split())
 
 
+@pytest.mark.slow
 def test_every_module_has_its_place() -> None:
     homeless = {name for name in modules() if room(name) not in DEPTH}
     assert not homeless, f"give these a place in LAYERS: {sorted(homeless)}"
@@ -213,6 +216,7 @@ def test_statistics_know_nothing_of_drones() -> None:
     assert {other for other, _ in inner_imports("study.statistics")} <= {"errors"}
 
 
+@pytest.mark.slow
 def test_the_lab_needs_no_jax() -> None:
     wrong = [
         f"{name} imports {package} (line {line})"

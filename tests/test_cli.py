@@ -25,6 +25,8 @@ from fledge.learning.recipe import Recipe
 from fledge.storage import read_flight, read_policy, write_flight, write_policy
 from fledge.study import proving, setups
 
+pytestmark = pytest.mark.slow
+
 EXAMPLES = Path(__file__).parents[1] / "examples"
 MANOEUVRES = ("climb", "combined", "descend", "fixed-altitude")
 
@@ -130,7 +132,6 @@ def test_replay_draws_and_scores(here, capsys):
     assert Path("climb.png").read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.slow
 def test_evaluate_compares_the_first_with_the_others(here, capsys):
     main("evaluate servo policy.onnx --cases 2 --manoeuvre climb --json both.json".split())
     shown = capsys.readouterr().out
@@ -143,7 +144,6 @@ def test_evaluate_compares_the_first_with_the_others(here, capsys):
     assert {(one["a"], one["b"]) for one in found["comparisons"]} == {("servo", "policy.onnx")}
 
 
-@pytest.mark.slow
 def test_evaluate_flies_behind_a_net(here, capsys):
     for net in ("none", "paper"):
         main(f"evaluate servo --cases 2 --net {net} --json {net}.json".split())
@@ -154,7 +154,6 @@ def test_evaluate_flies_behind_a_net(here, capsys):
     assert free["entries"]["servo"]["distance"] != behind["entries"]["servo"]["distance"]
 
 
-@pytest.mark.slow
 def test_falsify_counts_what_a_net_lets_happen_and_keeps_some_of_it(here, capsys):
     main("falsify --net none --steps 24000 --policy policy.onnx --arena lab --json found.json".split())
     shown, noted = capsys.readouterr()
@@ -352,7 +351,6 @@ def test_strangers_fly_by_name(folder, package, tmp_path, monkeypatch, capsys):
 # The same seed, the same bytes
 
 
-@pytest.mark.slow
 def test_a_study_of_one_seed_is_the_same_study_twice(tmp_path, monkeypatch, capsys):
     small = tuple(replace(order, episodes=2, rows=200) for order in demonstrations.PAPER_ORDERS)
     few = [setup for setup in setups.BASIC if setup.name in ("human-combined", "primitive")]
@@ -471,7 +469,6 @@ OWN = "--pilot own_pilot:Gentle --manoeuvre own_manoeuvre:Orbit climb"
 DEMONSTRATE = f"demonstrate {OWN} --episodes 3 --minutes 0.1 --out "
 
 
-@pytest.mark.slow
 def test_demonstrate_killed_again_and_again_loses_nothing(launch, tmp_path, monkeypatch):
     whole, killed = tmp_path / "whole", tmp_path / "killed"
     monkeypatch.chdir(EXAMPLES)
@@ -493,7 +490,6 @@ def test_demonstrate_killed_again_and_again_loses_nothing(launch, tmp_path, monk
 TRAIN = "train demos --epochs 60 --out "
 
 
-@pytest.mark.slow
 def test_train_killed_and_resumed_ends_in_the_same_bytes(launch, here):
     main((TRAIN + "whole.onnx").split())
     checkpoint = here / "killed.onnx.checkpoint.npz"
@@ -513,7 +509,6 @@ def test_train_killed_and_resumed_ends_in_the_same_bytes(launch, here):
     ]
 
 
-@pytest.mark.slow
 def test_an_interrupt_leaves_one_line_and_whole_files(launch, tmp_path):
     process = launch(DEMONSTRATE + str(tmp_path), EXAMPLES)
     while not flights_in(tmp_path):
@@ -526,7 +521,6 @@ def test_an_interrupt_leaves_one_line_and_whole_files(launch, tmp_path):
         read_flight(tmp_path / name)
 
 
-@pytest.mark.slow
 def test_a_full_disk_is_one_line_and_leaves_nothing_half_written(launch, tmp_path):
     _, err = finish(launch(DEMONSTRATE + str(tmp_path), EXAMPLES, FULL), code=2)
     assert err == f"fledge: {tmp_path / 'orbit-000.mcap'}: cannot be written: File too large\n"

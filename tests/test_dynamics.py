@@ -13,6 +13,8 @@ from fledge.dynamics import GRAVITY, P3_AT, P3_DX, REAL_AR_DRONE, UGV_FLEET, Pio
 from fledge.geometry import Heading, Quat, Vec3
 from fledge.world import UavState, UgvState, VelocityCommand
 
+pytestmark = pytest.mark.slow
+
 DT = 0.002
 STILL_AIR = Vec3(0.0, 0.0, 0.0)
 QUADROTORS = pytest.mark.parametrize("model", (Quadrotor(), REAL_AR_DRONE), ids=("simulated", "real"))

@@ -12,6 +12,8 @@ from fledge.pilots import HumanModel, Servo
 from fledge.pilots.base import AbstractPilot
 from fledge.simulation import Case, Crew
 
+pytestmark = pytest.mark.slow
+
 ROWS = 60
 CREW = Crew(Servo())
 # Some among boxes and some without any.
@@ -147,14 +149,12 @@ def mean_offset(episodes):
     return abs(episodes.observation.ugv_u - episodes.observation.centre_u).mean(axis=-1)
 
 
-@pytest.mark.slow
 def test_reducing_inside_the_program_is_reducing_afterwards(batch):
     inside = fly(CASES, CREW, KEYS, reduce=mean_offset)
     assert inside.shape == (4,)
     np.testing.assert_allclose(inside, mean_offset(batch), rtol=1e-4)
 
 
-@pytest.mark.slow
 def test_every_flight_may_have_its_own_crew(batch):
     crews = [CREW, CREW, Crew(Servo(), Axes.of((2,))), Crew(Servo(p=0.1))]
     mixed = fly(CASES, crews, KEYS)
@@ -171,7 +171,6 @@ def test_more_flights_than_a_batch_holds_are_the_same_flights(batch):
         assert_same(take(many, i, ROWS), take(batch, known, ROWS))
 
 
-@pytest.mark.slow
 def test_who_has_crews_of_their_own_and_who_shares_one_fly_in_one_program(batch, monkeypatch):
     monkeypatch.setattr("fledge.engines.compiled", None)
     assert_same(fly(CASES, [CREW] * 4, KEYS), batch)

@@ -1,6 +1,7 @@
 """What one flight leaves behind."""
 
 import numpy as np
+import pytest
 
 from fledge.camera import Lens
 from fledge.conditions import Conditions
@@ -10,6 +11,8 @@ from fledge.manoeuvres import Climb
 from fledge.observation import IDEAL_RADIUS_PX, StickScale
 from fledge.pilots import Servo
 from fledge.simulation import Case, Crew
+
+pytestmark = pytest.mark.slow
 
 
 def test_a_flight_knows_its_rows_and_what_it_was():

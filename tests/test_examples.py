@@ -11,6 +11,8 @@ from fledge.learning.policy import Contract, Policy
 from fledge.simulation import Case, Crew
 from fledge.storage import write_policy
 
+pytestmark = pytest.mark.slow
+
 EXAMPLES = Path(__file__).parents[1] / "examples"
 NAMES = sorted(path.stem for path in EXAMPLES.glob("*.py"))
 
@@ -62,7 +64,6 @@ def test_an_own_pilot_flies_an_own_manoeuvre():
     assert np.isfinite(np.asarray(flown.world.uav.position.x)).all()
 
 
-@pytest.mark.slow
 def test_fly_a_pilot_leaves_a_flight_and_a_picture(tmp_path, capsys):
     flight = load("fly_a_pilot").main(tmp_path, seconds=5)
     assert (flight.manoeuvre, flight.rows) == ("combined", 100)
@@ -70,7 +71,6 @@ def test_fly_a_pilot_leaves_a_flight_and_a_picture(tmp_path, capsys):
     assert "all UGVs in view: 100.0%" in capsys.readouterr().out
 
 
-@pytest.mark.slow
 def test_compare_pilots_finds_the_difference():
     found = load("compare_pilots").main(cases=4)
     (distance,) = [one for one in found["comparisons"] if one["metric"] == "distance_rmse"]

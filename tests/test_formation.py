@@ -15,6 +15,8 @@ from fledge.manoeuvres.paths import FAMILIES, HELD_OUT_FAMILIES, TRAINING_FAMILI
 from fledge.observation import ROW_RATE
 from fledge.world import Arena, Obstacle, UgvState
 
+pytestmark = pytest.mark.slow
+
 CONTROL = FormationControl()
 OPEN = Arena(Box(-50.0, 50.0, -50.0, 50.0), 6.0)
 STEPS = 5

@@ -11,6 +11,8 @@ from fledge.geometry import Box
 from fledge.room import CELL, check_room, free_share, widest
 from fledge.world import Arena, Obstacle
 
+pytestmark = pytest.mark.slow
+
 LAB = Arena(Box(-3.3, 3.3, -2.5, 2.5), 4.0)
 margins = st.floats(0.0, 3.0)
 

@@ -53,6 +53,7 @@ def test_nan_goes_in_nan_comes_out(f):
             assert np.isnan(result).all(), f"argument {place}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("f", ARITY, ids=name_of)
 def test_nothing_raises_and_the_backends_agree_on_odd_numbers(f):
     grid = np.meshgrid(*(ODD_NUMBERS,) * ARITY[f])
@@ -61,6 +62,7 @@ def test_nothing_raises_and_the_backends_agree_on_odd_numbers(f):
     np.testing.assert_allclose(jaxed, plain, rtol=1e-15)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("f", ARITY, ids=name_of)
 @given(data=st.data())
 def test_the_backends_agree_on_ordinary_numbers(f, data):

@@ -19,6 +19,8 @@ from fledge.scalars import where
 from fledge.simulation import STEP, STEPS_PER_TICK, TICK, TICKS_PER_ROW, Case, Crew, Rig, flight_key, start
 from fledge.world import VelocityCommand, Verdict
 
+pytestmark = pytest.mark.slow
+
 ROWS = 60
 CALM = Conditions()
 CREW = Crew(Servo())

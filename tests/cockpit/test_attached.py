@@ -33,6 +33,8 @@ from fledge.supervision.modes import Mode
 from fledge.supervision.watchdog import TICK
 from fledge.world import Arena, Obstacle, Reason, VelocityCommand
 
+pytestmark = pytest.mark.slow
+
 ARENA = Arena(Box(-3.0, 3.0, -2.0, 2.0), 4.0, (Obstacle(Box(1.0, 2.0, 0.5, 1.5), 0.8),))
 QUIET = Spoken((Operator(),) * 4, HANDS_OFF, inf, True)
 

@@ -23,6 +23,8 @@ from fledge.supervision.inputs import Operator
 from fledge.supervision.modes import Mode
 from fledge.world import Reason
 
+pytestmark = pytest.mark.slow
+
 M = Mode
 SILENCE = Seats().silence
 FULL = Action(0.5, 0.5, 0.5, 0.5)

@@ -158,6 +158,7 @@ def test_there_and_back(kind, data):
     assert type(message) is FROM_PAGE[kind] and decode(encode(message)) == message
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", TO_PAGE)
 @given(st.data())
 def test_back_and_there(kind, data):
@@ -196,6 +197,7 @@ JSON = st.recursive(
 )
 
 
+@pytest.mark.slow
 @given(st.sampled_from(sorted({*FROM_PAGE, *TO_PAGE})), st.data())
 def test_no_value_of_a_known_key_raises(kind, data):
     tables = [table for table in (FROM_PAGE, TO_PAGE) if kind in table]

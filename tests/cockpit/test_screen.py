@@ -17,6 +17,8 @@ from fledge.pilots import Servo
 from fledge.safety import NETS, Halt, NoNet, StopTube
 from fledge.supervision.inputs import Operator
 
+pytestmark = pytest.mark.slow
+
 
 def shown(net, ticks=200):
     """(the last tick of a flight that was armed after a second and a half, what the flight is, its halts)."""

@@ -51,6 +51,7 @@ def done(memory, deed, client, t, number):
     return getattr(SEATS, deed)(memory, client, t)
 
 
+@pytest.mark.slow
 @given(st.lists(DEED, max_size=40))
 @settings(max_examples=300)
 def test_never_two_have_the_seat_and_what_counts_is_its_holders(deeds):
@@ -132,6 +133,7 @@ def test_whoever_falls_silent_lets_go():
     assert spoken.operators[0].command == HOVER
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.integers(0, 20), st.floats(0.01, 0.3)), max_size=40))
 def test_sequence_numbers_that_count_only_go_up(messages):
     memory, t, counted = seated(1), 0.0, []

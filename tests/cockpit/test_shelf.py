@@ -27,6 +27,8 @@ from fledge.storage import read_flight, write_flight
 from fledge.study.evaluation import score
 from fledge.world import Arena, Obstacle, Reason
 
+pytestmark = pytest.mark.slow
+
 ROWS = 30
 
 

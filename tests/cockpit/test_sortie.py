@@ -17,6 +17,8 @@ from fledge.safety import StopTube
 from fledge.storage import read_flight
 from fledge.supervision.inputs import Operator
 
+pytestmark = pytest.mark.slow
+
 TICKS = round(100.0 / ROW_RATE)
 """Of a row."""
 CLIMB = Fly("climb", "servo", "stop-tube", record="flight")

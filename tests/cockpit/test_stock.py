@@ -17,6 +17,8 @@ from fledge.manoeuvres import Climb
 from fledge.pilots import HumanModel
 from fledge.runs import logbook
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture
 def told():
@@ -85,7 +87,6 @@ def test_a_policy_that_is_none_is_refused_when_it_is_chosen(stock, tmp_path):
         stock.scene(Fly("climb", str(path), "none"))
 
 
-@pytest.mark.slow
 def test_each_demonstration_is_the_next_flight_of_the_synthetic_operator(stock, tmp_path, demonstrated):
     fly = Fly("climb", "person", "stop-tube", record="demonstration")
     lengths = [*next(order for order in PAPER_ORDERS if order.manoeuvre.name == "climb").lengths()]
@@ -96,7 +97,6 @@ def test_each_demonstration_is_the_next_flight_of_the_synthetic_operator(stock, 
     assert isinstance(second, Live) and (second.about.case, len(second.targets)) == (1, lengths[1])
 
 
-@pytest.mark.slow
 def test_a_demonstration_is_marked_beside_the_synthetic_operator_of_the_same_scene(
     stock, tmp_path, told, demonstrated
 ):

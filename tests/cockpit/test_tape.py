@@ -25,6 +25,8 @@ from fledge.runs import logbook
 from fledge.simulation import Case, Crew
 from fledge.storage import read_flight, sweep, write_flight
 
+pytestmark = pytest.mark.slow
+
 ROWS = 50
 
 

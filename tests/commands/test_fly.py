@@ -156,6 +156,7 @@ def test_a_replay_says_what_is_missing(log, monkeypatch, capsys):
     assert found["missing"] in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_a_log_is_drawn_like_any_flight(log, monkeypatch, capsys):
     from fledge.storage import read_flight
 

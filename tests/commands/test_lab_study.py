@@ -8,6 +8,8 @@ from harvested import harvest
 from fledge.cli import main
 from fledge.runs import labwork
 
+pytestmark = pytest.mark.slow
+
 
 def run(capsys, *arguments):
     main(arguments)

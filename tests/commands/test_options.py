@@ -23,6 +23,7 @@ def parsed(kind, word):
     return tyro.cli(kind, args=[word])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", BOUNDS)
 @given(number=st.integers())
 def test_a_whole_number_is_taken_within_its_bounds_only(name, number):

@@ -7,6 +7,8 @@ from loopback import own_host
 
 from fledge.cli import main
 
+pytestmark = pytest.mark.slow
+
 
 def run(capsys, *arguments):
     main(arguments)

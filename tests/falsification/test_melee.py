@@ -16,6 +16,8 @@ from fledge.pilots import AbstractPilot
 from fledge.pytrees import register
 from fledge.world import Commands, VelocityCommand
 
+pytestmark = pytest.mark.slow
+
 TERMS = Terms()
 DRAWN = draw_scenario(np.random.default_rng(2), 2, 0, TERMS).scenario
 HOVER = VelocityCommand.hover()

@@ -9,6 +9,8 @@ from scripted import WAYS, Says, auto
 from fledge.supervision.modes import Mode as M
 from fledge.world import VelocityCommand
 
+pytestmark = pytest.mark.slow
+
 
 def numbers(record, *above):
     """Every number in a record, by its way there."""

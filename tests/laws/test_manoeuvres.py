@@ -37,6 +37,7 @@ def test_it_has_a_name_of_its_own_and_uses_real_sticks(manoeuvre):
     assert manoeuvre.axes and set(manoeuvre.axes) <= {0, 1, 2, 3}
 
 
+@pytest.mark.slow
 @EVERY_MANOEUVRE
 @EVERY_LENGTH
 def test_a_plan_is_a_pure_function_of_its_generator(manoeuvre, rows):
@@ -102,6 +103,7 @@ def test_the_sticks_it_names_are_those_that_its_plan_needs(manoeuvre):
     assert set(manoeuvre.axes) == ({0, 1} if moves else set()) | ({2} if spreads else set())
 
 
+@pytest.mark.slow
 @EVERY_MANOEUVRE
 def test_only_training_families_are_flown_by_default(manoeuvre, monkeypatch):
     """What the method is chosen on, and what it is tested on, no demonstration ever shows."""

@@ -37,6 +37,8 @@ from fledge.world import (
     WorldState,
 )
 
+pytestmark = pytest.mark.slow
+
 LETS_NAN_THROUGH = {
     NoNet: "it lets everything through",
     PaperNet: "D8: every comparison with NaN is false, and that counts as safe",
@@ -439,7 +441,6 @@ def test_a_command_that_is_no_number_is_none(net, scene, vehicle, at, value):
 # On both backends.
 
 
-@pytest.mark.slow
 @every_net()
 def test_plain_floats_and_jax_give_the_same_verdicts(net):
     """In every third scene something is no number, or absurd."""

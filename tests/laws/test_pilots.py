@@ -17,6 +17,8 @@ from fledge.observation import ACTION_NAMES, OBSERVATION_NAMES, Axes, Observatio
 from fledge.pilots import FOLLOWERS, PILOTS
 from fledge.simulation import Case, Crew
 
+pytestmark = pytest.mark.slow
+
 EVERY_PILOT = pytest.mark.parametrize("pilot", PILOTS, ids=lambda pilot: pilot.name)
 
 LOW = (320.0, 180.0, -1e4, -1e4, 0.0, 108.0, 0.0, -3.0, -3.0, -1.0, -2.0)

@@ -13,6 +13,8 @@ from fledge.supervision.modes import TABLE, Row, Trigger, advance
 from fledge.supervision.modes import Mode as M
 from fledge.supervision.supervisor import Supervisor
 
+pytestmark = pytest.mark.slow
+
 GRABBED = {"deflection": 0.6}
 WELL = {"wish": WISH}
 POLICY = (M.AUTO, M.SHIELDED, M.RECOVER, M.HOLD, M.STOPPED)

@@ -15,6 +15,8 @@ from fledge.manoeuvres import Climb, Combined, FixedAltitude
 from fledge.observation import ACTION_NAMES, OBSERVATION_NAMES, Action
 from fledge.pilots import AbstractPilot, HumanModel
 
+pytestmark = pytest.mark.slow
+
 ORDERS = tuple(Order(order.manoeuvre, 2, 121) for order in PAPER_ORDERS)
 """Two short flights of each manoeuvre: 61 and 60 rows."""
 
@@ -184,7 +186,6 @@ def test_axes_out_of_use_stay_at_exactly_zero(flights):
         assert np.abs(actions).max() <= 1.0
 
 
-@pytest.mark.slow
 def test_a_flight_does_not_depend_on_what_else_is_collected(flights):
     """Climb alone is another program: fewer flights, and no boxes to stack. Equal but for rounding."""
     alone = list(

@@ -11,6 +11,8 @@ from fledge.errors import BadDemonstrations, FledgeError, OutOfRange
 from fledge.learning.demonstrations import Demonstrations
 from fledge.learning.fusion import CompositeSet, SubTask, estimate_delay, fuse
 
+pytestmark = pytest.mark.slow
+
 STATE_DIM, ACTION_DIM = 5, 4
 ARRAYS = ("states", "actions", "mask", "episode", "subtask")
 

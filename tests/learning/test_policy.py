@@ -20,6 +20,8 @@ from fledge.pilots import AbstractPilot
 from fledge.pytrees import pytree
 from fledge.simulation import Case, Crew
 
+pytestmark = pytest.mark.slow
+
 NOISE = (0.0, 0.0, 0.0, 0.0)
 
 

@@ -33,6 +33,7 @@ def split(composite, kind, share):
     return data
 
 
+@pytest.mark.slow
 @given(st.floats(0.05, 0.7), st.lists(st.integers(2, 9), min_size=3, max_size=9), st.integers(2, 5))
 @settings(max_examples=15)
 def test_a_split_by_episode_shares_none(share, lengths, others):
@@ -48,6 +49,7 @@ def test_a_split_by_episode_shares_none(share, lengths, others):
         assert len(held) == max(round(share * count), 1)
 
 
+@pytest.mark.slow
 @given(st.floats(0.05, 0.9), st.integers(4, 40), st.integers(4, 40))
 @settings(max_examples=15)
 def test_a_split_by_row_takes_the_share_of_every_sub_task(share, first, second):

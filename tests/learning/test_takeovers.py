@@ -29,6 +29,8 @@ from fledge.study.setups import DEFAULT_METHOD, PAPER_METHOD
 from fledge.supervision.inputs import Operator
 from fledge.world import Reason, VelocityCommand, Verdict
 
+pytestmark = pytest.mark.slow
+
 ROWS = 60
 HANDS = Action(0.5, -0.25, 0.75, 1.0)
 """A person's, all the time."""
@@ -54,7 +56,12 @@ def taken_over(reasons, flight=None) -> Flight:
 
 
 BY_HAND, NET, POLICY = Reason.TAKE_OVER, Reason.WALL, Reason.NONE
-FULL = taken_over([BY_HAND] * ROWS)
+
+
+@cache
+def by_hand() -> Flight:
+    """A person flew all of it."""
+    return taken_over([BY_HAND] * ROWS)
 
 
 def demonstrated():
@@ -105,7 +112,7 @@ def test_every_run_of_a_second_or_longer_is_an_episode_and_nothing_else(runs):
 
 
 def test_every_flight_counts():
-    assert len(corrections([FULL, flown(Climb()), FULL])) == 2
+    assert len(corrections([by_hand(), flown(Climb()), by_hand()])) == 2
     assert corrections([flown(Climb())]) == corrections([]) == []
 
 
@@ -147,7 +154,7 @@ def test_a_row_in_which_the_net_stepped_in_is_the_nets():
 
 @pytest.mark.parametrize("method", (PAPER_METHOD, DEFAULT_METHOD), ids=("paper", "default"))
 def test_they_are_one_sub_task_more(method):
-    demos, pairs = by_sub_task(demonstrated(), "sub-tasks"), corrections([FULL, FULL])
+    demos, pairs = by_sub_task(demonstrated(), "sub-tasks"), corrections([by_hand(), by_hand()])
     without, delay = composite_set("sub-tasks", method, demos)
     composite, same = composite_set("sub-tasks", method, demos, pairs)
     assert same == delay and composite.names == (*without.names, TAKE_OVERS.name)
@@ -170,14 +177,15 @@ def test_with_nobody_who_took_over_there_is_no_lesson():
 
 def test_who_took_over_through_other_eyes_is_not_learnt_from():
     with pytest.raises(BadDemonstrations, match="different lens, ideal radius or sticks"):
-        Lesson.of(demonstrated(), SETUP, Recipe.fast(), 0, [replace(FULL, ideal_radius=90.0)])
+        Lesson.of(demonstrated(), SETUP, Recipe.fast(), 0, [replace(by_hand(), ideal_radius=90.0)])
 
 
-@pytest.mark.slow
 def test_a_policy_does_more_of_what_the_person_did():
-    plain, corrected = (Lesson.of(demonstrated(), SETUP, Recipe.fast(20), 0, more) for more in ([], [FULL]))
+    plain, corrected = (
+        Lesson.of(demonstrated(), SETUP, Recipe.fast(20), 0, more) for more in ([], [by_hand()])
+    )
     assert plain.settings["data"] != corrected.settings["data"]
-    ((states, actions),) = corrections([FULL])
+    ((states, actions),) = corrections([by_hand()])
 
     def off(lesson):
         """From what the person did, on average."""

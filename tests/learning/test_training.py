@@ -24,6 +24,8 @@ from fledge.learning.training import (
     train,
 )
 
+pytestmark = pytest.mark.slow
+
 SHORT = Recipe(epochs=3, batch=32, points=3)
 WHOLE = replace(SHORT, batch=None)
 """Full batch: no shuffling to compile, for tests that are about something else."""
@@ -167,7 +169,6 @@ def test_measuring_less_often_changes_nothing(composite, three_seeds):
         np.testing.assert_allclose(a, b, atol=1e-4)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     "recipe",
     [

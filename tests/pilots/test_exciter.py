@@ -74,6 +74,7 @@ def test_far_from_the_ugvs_it_does_not_lead_on(change, axis, sign):
     assert (said * sign >= 0.0).all() and (said != 0.0).any()
 
 
+@pytest.mark.slow
 def test_it_stays_over_the_ugvs():
     case = Case(FixedAltitude().plan(np.random.default_rng(2), 1200), Conditions())
     seen = fly_plain(case, Crew(Exciter(), Axes()), key=(3,)).observation

@@ -12,6 +12,8 @@ from fledge.report.lab import differences, write_report
 from fledge.runs.labwork import simulator_settings, store, summarise, twin_settings
 from fledge.storage import read_json, write_json
 
+pytestmark = pytest.mark.slow
+
 VOID = {"meta", "br", "img"}
 
 

@@ -15,6 +15,8 @@ from fledge.pilots import Servo
 from fledge.report import replay
 from fledge.simulation import Case, Crew
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.fixture(scope="module")
 def flight():

@@ -26,6 +26,8 @@ from fledge.simulation import Case, Crew
 from fledge.storage import read_json, write_flight, write_json
 from fledge.study import statistics
 
+pytestmark = pytest.mark.slow
+
 SEEDS, CASES = 6, 9
 LEVELS = {
     "human-combined": 28.0,

@@ -19,6 +19,8 @@ from fledge.runs.apprenticeship import Lesson, learn
 from fledge.simulation import Case, Crew
 from fledge.storage import read_policy
 
+pytestmark = pytest.mark.slow
+
 EPOCHS = 4
 CHECKPOINT = "policy.onnx.checkpoint.npz"
 

@@ -17,6 +17,8 @@ from fledge.storage import read_flight, read_json, read_policy
 from fledge.study.experiments import Progress, Results
 from fledge.study.setups import Study
 
+pytestmark = pytest.mark.slow
+
 STUDY = Study("quick", (), 3, 2, 2)
 
 

@@ -12,6 +12,8 @@ from fledge.runs.evidence import sentences, store
 from fledge.safety import NoNet
 from fledge.storage import read_flight
 
+pytestmark = pytest.mark.slow
+
 DRAW = draw_scenario(np.random.default_rng(0), 0, 0, Terms())
 CAMPAIGN = Campaign(NoNet(), "my.nets:Own", 24_000, 3)
 FOUND = tuple(Violation(i, "corner", None, "contact", 1, 2.5, -0.1, DRAW) for i in (4, 9))

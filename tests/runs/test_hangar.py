@@ -38,6 +38,8 @@ from fledge.storage.records import to_json
 from fledge.supervision.inputs import Operator
 from fledge.world import Arena, VelocityCommand
 
+pytestmark = pytest.mark.slow
+
 LOOPBACK = ("127.0.0.1", 51001)
 SERVO = Order(pilot="servo", mocap=LOOPBACK, vehicle=("127.0.0.1", 5556), nobody=True)
 
@@ -172,7 +174,6 @@ def test_a_flight_is_flown_again_from_its_log_alone(by_policy, policy, tmp_path)
     assert flight is None and seen == list(range(1, 251))
 
 
-@pytest.mark.slow
 def test_the_flight_of_a_log_is_the_one_that_was_logged(tmp_path):
     """Rows of the replay and rows in the file, of a flight long enough to have any."""
     ticks = logged(SERVO, tmp_path / "log.mcap", 1800)
@@ -218,7 +219,6 @@ def left(lab):
     return json.loads((folder / "twin.json").read_text())
 
 
-@pytest.mark.slow
 def test_a_flight_from_the_pad_to_the_floor_and_once_more_from_its_log(lab, policy):
     """An interrupt lands it, the twin's referee has nothing to say, and the log replays byte for byte."""
     host, _, folder = lab
@@ -242,7 +242,6 @@ def test_a_flight_from_the_pad_to_the_floor_and_once_more_from_its_log(lab, poli
     assert flight is not None and flight.rows == pytest.approx(20 * found["flown_s"], abs=5)
 
 
-@pytest.mark.slow
 def test_who_kills_the_process_leaves_the_drone_to_its_watchdog(lab):
     """It comes down by itself and touches nobody; the log has all but the last second, and replays."""
     host, _, folder = lab
@@ -258,7 +257,6 @@ def test_who_kills_the_process_leaves_the_drone_to_its_watchdog(lab):
     assert again.difference == "" and again.missing == "cut short: its end is missing"
 
 
-@pytest.mark.slow
 def test_a_process_that_is_paused_for_a_while_flies_on(lab):
     """0.7 s without a command: the drone holds itself; then everything that waited is old, and is known to be."""
     host, _, folder = lab
@@ -290,7 +288,6 @@ def test_a_process_that_is_paused_for_a_while_flies_on(lab):
     assert hangar.rerun(folder / "log.mcap")[1].difference == ""
 
 
-@pytest.mark.slow
 def test_a_dry_run_says_that_all_is_ready_and_the_drone_stays_where_it_is(lab):
     host, _, folder = lab
     with process(
@@ -302,7 +299,6 @@ def test_a_dry_run_says_that_all_is_ready_and_the_drone_stays_where_it_is(lab):
     assert left(lab)["phase"] == "landed" and not list(folder.glob("*.mcap"))
 
 
-@pytest.mark.slow
 def test_a_person_takes_over_flies_hands_back_and_lands(lab):
     """Over a wire, from another process, while the policy climbs."""
     host, _, folder = lab
@@ -338,7 +334,6 @@ def test_a_person_takes_over_flies_hands_back_and_lands(lab):
     assert left(lab)["contacts"] == []
 
 
-@pytest.mark.slow
 def test_a_person_at_the_keyboard_arms_and_lands_and_sees_the_flight(lab):
     """In a terminal of its own, which is as it was before when all is over."""
     host, _, folder = lab

@@ -14,6 +14,8 @@ from fledge.pilots import AbstractPilot
 from fledge.runs import logbook
 from fledge.storage import read_flight
 
+pytestmark = pytest.mark.slow
+
 
 @dataclass(frozen=True)
 class Untraceable(AbstractPilot):

@@ -16,6 +16,7 @@ def test_nobody_waits_for_flights_that_were_not_ordered():
         assert list(landed(under_way)) == []
 
 
+@pytest.mark.slow
 def test_the_processes_load_no_jax():
     code = "import fledge.runs.outings, sys; sys.exit('jax' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code]).returncode == 0

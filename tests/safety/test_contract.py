@@ -11,6 +11,8 @@ from fledge.safety.turns import CALMING
 from fledge.simulation import STEP, STEPS_PER_TICK
 from fledge.world import UavState, UgvState, VelocityCommand
 
+pytestmark = pytest.mark.slow
+
 FLIGHTS = 400
 
 

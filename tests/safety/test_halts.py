@@ -69,6 +69,7 @@ def places(world):
     return [(one.x, one.y) for one in (world.uav.position, *world.ugvs)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("late", (0, 5), ids=("at once", "late"))
 @pytest.mark.parametrize("net", (StopTube(), Barrier()), ids=lambda net: type(net).__name__)
 def test_a_stop_that_begins_now_ends_there(net, late):

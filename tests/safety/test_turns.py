@@ -15,6 +15,8 @@ from fledge.safety.tube import Pace, UgvSent, uav_error
 from fledge.safety.turns import UavTurn, UgvTurn, in_turn
 from fledge.world import Commands, Obstacle, Reason, UavState, UgvState, VelocityCommand, WorldState
 
+pytestmark = pytest.mark.slow
+
 BOTH = pytest.mark.parametrize("net", (StopTube(), Barrier()), ids=lambda net: type(net).__name__)
 EAST = VelocityCommand(1.0, 0.0, 0.0, 0.0)
 AHEAD = VelocityCommand(1.0, 0.0, 0.0, 0.0)

@@ -76,6 +76,7 @@ LIMITED = """
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size", [50, 100_000])
 def test_a_disk_that_refuses_more_bytes(tmp_path, python, size):
     path = tmp_path / "a.bin"
@@ -162,6 +163,7 @@ def test_reading_makes_every_error_a_clear_line(tmp_path):
         assert str(caught.value) == f"{path}: {line}"
 
 
+@pytest.mark.slow
 def test_the_storage_does_not_load_jax(python):
     out, err = python("import sys, fledge.storage; print('jax' in sys.modules)").communicate()
     assert (out, err) == ("False\n", "")

@@ -19,6 +19,8 @@ from fledge.storage import FlightLog, list_flights, read_facts, read_flight, rec
 from fledge.storage.records import to_json
 from fledge.world import Arena
 
+pytestmark = pytest.mark.slow
+
 
 def leaves(record):
     if is_dataclass(record):

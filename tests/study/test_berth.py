@@ -11,6 +11,8 @@ from fledge.safety import NoNet, PaperNet, StopTube
 from fledge.study.berth import PUSH, SPEEDS, announced, margin, reach, stand_off
 from fledge.world import Arena
 
+pytestmark = pytest.mark.slow
+
 PAPER, DEFAULT = PaperNet(), StopTube()
 
 

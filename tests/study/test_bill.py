@@ -16,6 +16,8 @@ from fledge.simulation import Case, Crew, Rig
 from fledge.study.bill import BUDGE, HELD, HORIZON, billed, holds, watched
 from fledge.world import VelocityCommand, Verdict
 
+pytestmark = pytest.mark.slow
+
 ROWS = 140
 CASE = Case.draw(FixedAltitude(), (1, 0), ROWS)
 KEYS = [(2, 0), (2, 1)]

@@ -20,6 +20,8 @@ from fledge.study.crossover import (
     credibility,
 )
 
+pytestmark = pytest.mark.slow
+
 AXES = tuple(HARMONICS)
 FLIGHTS = 4
 T = np.arange(ROWS) / ROW_RATE
@@ -140,7 +142,6 @@ def test_inside_means_inside_every_band():
         assert not replace(good, **{name: float("nan")}).inside
 
 
-@pytest.mark.slow
 def test_the_shipped_operator_is_credible():
     """On every axis, with the seed of the study."""
     measured = credibility(HumanModel(), seed=0)

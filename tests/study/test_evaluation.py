@@ -22,6 +22,8 @@ from fledge.study.evaluation import Score, evaluate, score
 from fledge.study.metrics import METRICS
 from fledge.world import UavState, UgvState, WorldState
 
+pytestmark = pytest.mark.slow
+
 ROWS = 60
 PLAIN_ROWS = 12
 """For flights in plain Python."""
@@ -197,7 +199,6 @@ def test_other_chance_gives_other_scores(cases, served):
     assert not (table(other)[0] == table(served[0])[0]).any()
 
 
-@pytest.mark.slow
 def test_a_team_flies_as_each_of_its_members(cases):
     """In either order; and as each of them does alone, on the other backend."""
     team = some_policies()

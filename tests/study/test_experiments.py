@@ -54,6 +54,8 @@ from fledge.study.setups import (
 )
 from fledge.world import VelocityCommand, Verdict
 
+pytestmark = pytest.mark.slow
+
 FIVE = ("human-combined", "dnn-combined", "primitive-paper", "primitive", "servo")
 SHORT = Recipe(epochs=2, batch=None, points=2)
 SLOWER = Servo(p=0.5)
@@ -203,7 +205,6 @@ def absurd(flights):
             yield replace(flight, episode=episode)
 
 
-@pytest.mark.slow
 def test_absurd_combined_demonstrations_change_nothing_for_sub_tasks(flights, results, short):
     """A whole study, to the last bit: scores, curves, weights."""
     some = ("human-combined", "primitive")
@@ -409,7 +410,6 @@ def test_every_set_up_flies_the_declared_cases(results, short):
     assert (flown.sample.rows, flown.sample.pilot, flown.sample.arena) == (ROWS, "servo", cases[0].plan.arena)
 
 
-@pytest.mark.slow
 def test_the_same_study_twice_gives_the_same_results(flights, results, short):
     """To the last bit, training included."""
     *_, again = run(STUDY, flights)

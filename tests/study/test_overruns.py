@@ -10,6 +10,8 @@ from fledge.geometry import Vec3
 from fledge.safety import UavStop
 from fledge.study.overruns import fly_stops, overrun
 
+pytestmark = pytest.mark.slow
+
 
 @pytest.mark.parametrize(
     "moved, beyond",

@@ -15,6 +15,8 @@ from fledge.study.restraint import LAB, NAMED, NEAR, Entry, Trials, cost, examin
 from fledge.study.setups import NETS as STUDIED
 from fledge.world import Arena
 
+pytestmark = pytest.mark.slow
+
 ROWS = 120
 
 

@@ -13,6 +13,8 @@ from fledge.errors import FledgeError, OutOfRange
 from fledge.study import statistics
 from fledge.study.statistics import Comparison
 
+pytestmark = pytest.mark.slow
+
 SCORES = st.floats(0.0, 100.0).map(lambda score: round(score, 3))
 P_VALUES = st.lists(st.floats(0.0, 1.0), min_size=1, max_size=8)
 

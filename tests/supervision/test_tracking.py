@@ -221,6 +221,7 @@ def of_length(rng: np.random.Generator, most: float) -> np.ndarray:
     return most * v / np.linalg.norm(v, axis=1, keepdims=True)
 
 
+@pytest.mark.slow
 @given(st.integers(0, 10_000))
 def test_within_the_errors_that_are_allowed_nothing_is_dropped(seed):
     """Noisy positions, a velocity that is wrong by as much as it may be, always the same way, samples missing."""
@@ -239,6 +240,7 @@ def test_within_the_errors_that_are_allowed_nothing_is_dropped(seed):
         assert not sight.dropped and not sight.contradicts
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(st.floats(0.0, 2.0 * np.pi), st.floats(0.33, 3.0), st.floats(-1.0, 1.0))
 def test_a_velocity_that_is_wrong_by_more_is_found(direction, wrong, speed):

@@ -64,6 +64,7 @@ def test_nothing_is_known_before_everybody_was_seen_for_long_enough():
     assert (world.t, world.uav.stamp, world.ugvs[0].stamp) == pytest.approx((0.3, 0.19, 0.19))
 
 
+@pytest.mark.slow
 @given(
     st.lists(
         st.tuples(st.sampled_from((-1.0, 1.0)), st.sampled_from((-1.0, 1.0)), st.booleans()), min_size=60
@@ -99,6 +100,7 @@ def test_what_the_contract_says_of_velocities_holds_within_the_lab_s_tilt():
     assert E.velocity_error(NOISE, ACCELERATION) < 0.1
 
 
+@pytest.mark.slow
 def test_a_flight_with_noise_and_losses_stays_within_the_bound_and_raises_no_alarm():
     rng, watch = np.random.default_rng(0), Watch()
     bound, worst = E.velocity_error(NOISE, ACCELERATION), 0.0

@@ -23,6 +23,8 @@ from fledge.supervision.inputs import Operator
 from fledge.supervision.modes import Mode
 from fledge.world import Reason, VelocityCommand
 
+pytestmark = pytest.mark.slow
+
 P, M = Phase, Mode
 
 
@@ -39,7 +41,6 @@ class Reckless(AbstractPilot):
 # A flight.
 
 
-@pytest.mark.slow
 def test_a_flight_from_the_pad_to_the_floor_with_a_person_s_hand_in_between():
     flight = ready()
     ground = flight.lab.air.position
@@ -111,7 +112,6 @@ def test_a_network_flies_on_numpy_and_what_it_says_is_plain_numbers():
     assert {type(x) for x in (a.forward, a.left, a.up, a.turn)} == {float}
 
 
-@pytest.mark.slow
 def test_nobody_there_and_allowed_to_it_arms_flies_and_lands_by_itself():
     controller = over_udp(Servo(), unattended=True, phases=Phases(duration=5.0))
     flight = Flight(controller, says=None)
@@ -128,7 +128,6 @@ def test_who_speaks_up_in_an_unattended_flight_is_obeyed():
     assert flight.mode is M.LAND
 
 
-@pytest.mark.slow
 def test_over_ros_the_ugvs_are_driven_too_and_behind_the_net():
     controller, lab = over_ros(Servo())
     flight = Flight(controller, lab)
@@ -216,7 +215,6 @@ def test_a_low_battery_keeps_it_on_the_ground_and_brings_it_down():
 IN_FLIGHT = (P.TAKE_OFF, P.CLIMB, P.JOIN, P.FLY)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("phase", IN_FLIGHT)
 def test_a_person_can_land_it_in_every_phase(phase):
     flight = into(phase)
@@ -414,7 +412,6 @@ def test_garbage_on_every_wire_does_nothing_at_all():
 # What it is.
 
 
-@pytest.mark.slow
 def test_the_same_heard_twice_says_the_same_bytes():
     flight = ready().until(P.FLY, arm=1.0).go(1.0)
     memory, again = flight.controller.init(), []

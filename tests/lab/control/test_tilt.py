@@ -16,6 +16,8 @@ from fledge.lab.wire.ardrone import Flag, Pcmd
 from fledge.safety import Contract, UavStop
 from fledge.world import UavState, VelocityCommand
 
+pytestmark = pytest.mark.slow
+
 TILT = Tilt()
 E = Estimator()
 STEP = 0.5

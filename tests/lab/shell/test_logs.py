@@ -125,6 +125,7 @@ def stuck(tmp_path, monkeypatch):
     disk.goes_on.set()
 
 
+@pytest.mark.slow
 def test_no_tick_waits_for_a_disk_that_stands_still(stuck, tmp_path):
     log, disk = stuck
     ticks = list(entries(logs.MOST + 500))

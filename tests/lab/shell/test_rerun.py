@@ -51,6 +51,7 @@ def test_the_first_difference_is_named(log):
     assert replay(log, Drifting(200)) == Comparison(200)
 
 
+@pytest.mark.slow
 def test_a_log_that_was_cut_short_is_read_as_far_as_it_goes(log, tmp_path):
     whole = log.read_bytes()
     lengths = random.Random(0).sample(range(1, len(whole)), 60)

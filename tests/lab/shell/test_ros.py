@@ -18,6 +18,8 @@ from fledge.geometry import Vec3
 from fledge.lab.wire import topics
 from fledge.lab.wire.messages import Twist
 
+pytestmark = pytest.mark.slow
+
 STILL = Vec3(0.0, 0.0, 0.0)
 POSE, STEERING = topics.pose("ardrone"), topics.drive("p3at")
 
@@ -228,7 +230,6 @@ def test_without_a_master_it_says_so_at_once(address):
 
 
 @debian.needs_ros
-@pytest.mark.slow
 def test_a_tool_measures_the_rate(core, puppet):
     with running(core, "rostopic", "hz", "-w", "200", POSE) as tool:
         time.sleep(6.0)
@@ -238,7 +239,6 @@ def test_a_tool_measures_the_rate(core, puppet):
 
 
 @debian.needs_ros
-@pytest.mark.slow
 def test_a_tool_sees_the_message(core, puppet):
     with running(core, "rostopic", "echo", "-n1", POSE) as tool:
         out, errors = tool.communicate(timeout=20)
@@ -247,7 +247,6 @@ def test_a_tool_sees_the_message(core, puppet):
 
 
 @debian.needs_ros
-@pytest.mark.slow
 def test_a_recorder_keeps_what_was_sent(core, puppet, tmp_path):
     bag = tmp_path / "flight.bag"
     with running(core, "rosbag", "record", "-l", "200", "-O", str(bag), POSE, topics.NAVDATA) as recorder:
@@ -263,7 +262,6 @@ def test_a_recorder_keeps_what_was_sent(core, puppet, tmp_path):
 
 
 @debian.needs_ros
-@pytest.mark.slow
 def test_what_a_stranger_says_is_here_within_50_ms(core, puppet):
     puppet("heard")
     with running(core, debian.PYTHON, "-c", SPEAKER, "200") as speaker:
@@ -282,7 +280,6 @@ def test_what_a_stranger_says_is_here_within_50_ms(core, puppet):
 
 
 @debian.needs_ros
-@pytest.mark.slow
 def test_what_came_while_it_could_not_listen_is_dropped_but_for_the_newest(core, puppet):
     puppet("heard")
     with running(core, debian.PYTHON, "-c", SPEAKER, "300") as speaker:
@@ -302,7 +299,6 @@ def last(found: list) -> float:
 
 
 @debian.needs_ros
-@pytest.mark.slow
 def test_one_topic_wakes(core, puppet):
     puppet("heard")
     with running(core, debian.PYTHON, "-c", SPEAKER, "50") as speaker:
@@ -311,7 +307,6 @@ def test_one_topic_wakes(core, puppet):
 
 
 @debian.needs_ros
-@pytest.mark.slow
 def test_a_topic_of_another_type_is_not_heard(core, puppet):
     puppet("heard")
     with running(
@@ -323,13 +318,11 @@ def test_a_topic_of_another_type_is_not_heard(core, puppet):
 
 
 @debian.needs_ros
-@pytest.mark.slow
 def test_ros_time_leads_to_our_own(puppet):
     assert time.time_ns() - time.monotonic_ns() == pytest.approx(puppet("offset"), abs=5e6)
 
 
 @debian.needs_ros
-@pytest.mark.slow
 def test_what_nobody_hears_is_lost(puppet):
     assert not puppet("send", STEERING, topics.encode(Twist(STILL, STILL)).hex())
     assert not puppet("send", topics.JOY)
@@ -337,7 +330,6 @@ def test_what_nobody_hears_is_lost(puppet):
 
 
 @debian.needs_ros
-@pytest.mark.slow
 def test_it_counts_who_listens(core, puppet):
     assert puppet("listeners", POSE) == puppet("listeners", STEERING) == puppet("listeners", topics.JOY) == 0
     with running(core, "rostopic", "hz", POSE):
@@ -350,13 +342,11 @@ def test_it_counts_who_listens(core, puppet):
 
 
 @debian.needs_ros
-@pytest.mark.slow
 def test_a_second_port_is_refused(puppet):
     assert puppet("again") == "this process has had a ROS port: valid is one, once, as rospy has it"
 
 
 @debian.needs_ros
-@pytest.mark.slow
 def test_simulated_time_is_refused(tmp_path):
     with debian.core(tmp_path) as core:
         with running(core, "rosparam", "set", "/use_sim_time", "true") as tool:
@@ -365,7 +355,6 @@ def test_simulated_time_is_refused(tmp_path):
 
 
 @debian.needs_ros
-@pytest.mark.slow
 def test_when_the_master_dies_those_connected_go_on_and_it_is_said(tmp_path):
     with debian.core(tmp_path) as core, puppet_of(core) as puppet:
         with running(core, debian.PYTHON, "-c", SPEAKER, "500"):
@@ -386,7 +375,6 @@ def test_when_the_master_dies_those_connected_go_on_and_it_is_said(tmp_path):
 
 
 @debian.needs_ros
-@pytest.mark.slow
 def test_a_master_that_was_started_anew_knows_nobody(tmp_path):
     with debian.core(tmp_path) as core, puppet_of(core) as puppet:
         assert puppet("complaint") == ""
@@ -399,7 +387,6 @@ def test_a_master_that_was_started_anew_knows_nobody(tmp_path):
 
 
 @debian.needs_ros
-@pytest.mark.slow
 def test_a_master_that_hangs_holds_up_nobody(tmp_path):
     with debian.core(tmp_path) as core, puppet_of(core) as puppet:
         puppet("stream")
@@ -411,7 +398,6 @@ def test_a_master_that_hangs_holds_up_nobody(tmp_path):
 
 
 @debian.needs_ros
-@pytest.mark.slow
 def test_a_port_that_is_closed_in_peace_leaves_at_once(tmp_path):
     with debian.core(tmp_path) as core, puppet_of(core) as puppet:
         puppet("stream")

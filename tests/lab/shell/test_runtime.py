@@ -35,6 +35,8 @@ from fledge.supervision.modes import Mode
 from fledge.supervision.watchdog import Alarm
 from fledge.world import Arena, Reason
 
+pytestmark = pytest.mark.slow
+
 READY = decision(Mode.READY, Reason.NOT_READY)
 
 

@@ -19,6 +19,8 @@ from fledge.lab.wire import ardrone, navdata, vicon
 from fledge.lab.wire.ardrone import Config, Ref
 from fledge.world import Arena
 
+pytestmark = pytest.mark.slow
+
 FAST = Options(duration=10.0)
 
 

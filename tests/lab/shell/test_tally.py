@@ -97,6 +97,7 @@ def test_take_overs_are_counted_as_they_begin():
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("decided", "seconds", "needed"),
     [

@@ -8,6 +8,7 @@ from fledge.lab.survey.answers import answer, delay
 from fledge.lab.survey.stops import flown
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ticks", [2, 6])
 def test_the_delay_is_found_to_a_tick(ticks):
     assert delay([flight(25.0, delay=ticks, seed=ticks)]) == pytest.approx(0.01 * ticks, abs=0.008)

@@ -10,6 +10,8 @@ from fledge.lab.control.tilt import Tilt
 from fledge.lab.survey.stops import fit, flown, found, overruns, pushes
 from fledge.safety import Contract
 
+pytestmark = pytest.mark.slow
+
 CONTRACT = Contract(latency=0.03)
 
 

@@ -8,6 +8,8 @@ from fledge.lab.twin.bodies import Airframe
 from fledge.lab.twin.draught import NORMALS, Draught
 from fledge.safety.contract import Contract
 
+pytestmark = pytest.mark.slow
+
 
 def winds(draught, steps, dt=0.01):
     rng, gust, found = np.random.default_rng(0), draught.init(), []

@@ -10,6 +10,8 @@ from fledge.lab.twin.bodies import BASES, NAMES
 from fledge.lab.twin.drivers import DRIVERS, Driver, Memory
 from fledge.scalars import clip
 
+pytestmark = pytest.mark.slow
+
 TICK = 0.01
 EVEN = (room().airframe.weight * 0.25,) * 4
 GENTLE = ((0.0, 0.2), (0.0, 1.0), (0.0, -1.5), (0.3, 0.3), (0.3, 1.0), (-0.3, 0.5), (0.6, 0.5))

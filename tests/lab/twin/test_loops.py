@@ -12,6 +12,8 @@ from fledge.lab.twin.loops import RESTED, STILL, Loops, Wish
 from fledge.lab.twin.scene import TIMESTEP
 from fledge.lab.twin.senses import Senses
 
+pytestmark = pytest.mark.slow
+
 FULL = 0.21
 FLOWN = Wish(motors=True, hover=False)
 HOVER = Wish(motors=True)

@@ -23,6 +23,8 @@ from fledge.lab.wire.messages import Empty, Twist
 from fledge.lab.wire.navdata import ControlState, State
 from fledge.world import Arena, Obstacle
 
+pytestmark = pytest.mark.slow
+
 LAB = Arena.lab()
 FAST = Options(duration=60.0)
 EXACT = Senses(level=0.0, trimmed=0.0, turn=0.0, velocity=0.0, up=0.0, altitude=0.0)

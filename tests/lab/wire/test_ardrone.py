@@ -76,6 +76,7 @@ def test_a_share_is_rounded_to_its_float32_and_no_further(share):
     assert line.command.roll == unpack("<f", pack("<f", share))[0]
 
 
+@pytest.mark.slow
 @given(datagrams, st.data())
 def test_a_datagram_cut_short_loses_lines_and_changes_none(datagram, data):
     first, sent = datagram

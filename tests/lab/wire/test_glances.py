@@ -14,6 +14,8 @@ from fledge.lab.wire.glances import LONGEST, Glance, Vehicle, decode, encode
 from fledge.supervision.modes import Mode
 from fledge.world import MOST_OBSTACLES, Reason
 
+pytestmark = pytest.mark.slow
+
 FAR = st.none() | st.floats(-1e9, 1e9)
 PLACE = st.floats(-1e6, 1e6)
 WORD = st.text(st.characters(min_codepoint=32, max_codepoint=126), max_size=20)

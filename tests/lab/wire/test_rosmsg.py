@@ -7,6 +7,8 @@ from hypothesis import strategies as st
 from fledge.lab import Malformed
 from fledge.lab.wire.rosmsg import RULE, Kind, pack, unpack
 
+pytestmark = pytest.mark.slow
+
 POINT = Kind("lab/Point", "float64 x  float64 y")
 HEADER = Kind("std_msgs/Header", "uint32 seq  time stamp  string frame_id")
 SPOT = Kind("lab/Spot", "lab/Point at  int32[2] cell", (POINT,))

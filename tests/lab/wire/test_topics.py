@@ -17,6 +17,8 @@ from fledge.lab.wire.messages import Empty, Header, Image, Joy, Navdata, Odometr
 from fledge.lab.wire.navdata import ControlState, Demo
 from fledge.lab.wire.topics import decode, encode, kind
 
+pytestmark = pytest.mark.slow
+
 SEEN = Header(1_700_000_000_123_456_789, "/vicon/world", 7)
 EXAMPLES = {
     topics.pose("ardrone"): TransformStamped(

@@ -62,6 +62,7 @@ def test_bytes_by_hand_are_written_and_padded():
     assert encode(SEEN) == GOLDEN + bytes(256 - len(GOLDEN))
 
 
+@pytest.mark.slow
 @given(frames)
 def test_a_frame_comes_back(frame):
     back = decode(encode(frame))
@@ -82,6 +83,7 @@ def test_padding_means_nothing_whatever_it_holds(frame, rubbish):
     assert decode(encode(frame)[:used] + rubbish) == decode(encode(frame))
 
 
+@pytest.mark.slow
 @given(frames, st.data())
 def test_a_frame_cut_short_is_none(frame, data):
     cut = data.draw(st.integers(0, 4 + 75 * len(frame.objects)))

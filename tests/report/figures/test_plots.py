@@ -12,6 +12,8 @@ import pytest
 from fledge.report.figures.looks import variables
 from fledge.report.figures.plots import Plot, draw, inline, to_png, to_svg
 
+pytestmark = pytest.mark.slow
+
 ORDER = (
     *("training", "circle-horizontal", "circle-vertical", "top-view"),
     *("altitude", "distributions", "sticks", "comparisons"),
