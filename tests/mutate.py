@@ -154,12 +154,14 @@ def main() -> None:
     """Mutate all, or the modules named on the command line."""
     chosen = sys.argv[1:] or list(CLAUSES)
     mutants = [(module, old, new) for module in chosen for old, new in CLAUSES[module]]
+    survived = 0
     with ThreadPoolExecutor(2) as pool:
-        results = list(pool.map(lambda mutant: survives(*mutant), mutants))
-    for (module, old, new), alive in zip(mutants, results, strict=True):
-        print(f"{'SURVIVED' if alive else 'caught':8}  {module}: {old!r} -> {new!r}")
-    print(f"{len(results) - sum(results)} of {len(results)} caught")
-    sys.exit(any(results))
+        results = pool.map(lambda mutant: survives(*mutant), mutants)
+        for (module, old, new), alive in zip(mutants, results, strict=True):
+            survived += alive
+            print(f"{'SURVIVED' if alive else 'caught':8}  {module}: {old!r} -> {new!r}", flush=True)
+    print(f"{len(mutants) - survived} of {len(mutants)} caught")
+    sys.exit(survived > 0)
 
 
 if __name__ == "__main__":

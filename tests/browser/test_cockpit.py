@@ -266,7 +266,7 @@ def test_it_is_reached_by_keyboard_alone(tab):
 
 
 @pytest.mark.parametrize("view", ("fly", "demonstrate", "watch", "train"))
-@pytest.mark.parametrize(("width", "height"), ((1280, 720), (1024, 768)))
+@pytest.mark.parametrize(("width", "height"), ((1280, 720), (1024, 768), (820, 1180)))
 def test_every_view_fits_its_screen(browser, server, view, width, height):
     tab = Tab(browser, f"{server.url}/{view}")
     tab.page.set_viewport_size({"width": width, "height": height})

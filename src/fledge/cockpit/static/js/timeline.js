@@ -5,7 +5,7 @@ import { circle, label, line } from "./canvas.js";
 import { palette } from "./theme.js";
 import { layer } from "./words.js";
 
-const LEFT = 52; // [px] for names
+const LEFT = 62; // [px] for names, and for thousands of pixels
 const RIGHT = 10;
 const LANE = 15;
 const LEAST = 60; // [px of the picture] that the curve's height is at least

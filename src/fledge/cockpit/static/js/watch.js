@@ -67,7 +67,7 @@ export class Watch {
       `${title(pilot)} behind ${title(net).toLowerCase()}`,
       `distance ${marks.distance.toFixed(1)} px`,
       `radius error ${marks.radius.toFixed(1)} px`,
-      `in view ${(100 * marks.in_view).toFixed(1)} %`,
+      `in view ${(100 * marks.in_view).toFixed(1)}\u00a0%`,
     ];
     say($("watched"), name);
     say($("watched-marks"), about.join(" · "));
