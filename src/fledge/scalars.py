@@ -12,7 +12,7 @@ Conditions are combined with `&` and `|`, and negated with `negate`, since `~Tru
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
@@ -123,6 +123,13 @@ def where(condition: Scalar, yes: Any, no: Any) -> Any:
         parts = (where(condition, a, b) for a, b in zip(yes, no, strict=True))
         return type(yes)(*parts) if hasattr(yes, "_fields") else tuple(parts)
     return _namespace(condition).where(condition, yes, no)
+
+
+def cond(condition: Scalar, yes: Callable[[], Any], no: Callable[[], Any]) -> Any:
+    """`where` of what two functions return; on plain numbers only the one is called."""
+    if isinstance(condition, bool):
+        return yes() if condition else no()
+    return where(condition, yes(), no())
 
 
 def stack(values: Sequence[Scalar], like: Any) -> Any:

@@ -14,8 +14,11 @@ from fledge.safety import Contract, UavStop, UgvStop
 from fledge.safety.tube import (
     Held,
     Pace,
+    Phases,
     Sent,
+    Turn,
     UavTube,
+    UgvCommitment,
     UgvSent,
     UgvTube,
     side_of_box,
@@ -99,7 +102,7 @@ def test_a_stop_is_over_once_nothing_older_can_be_gone_on_with():
 
 def test_what_was_sent_instead_counts_as_sent():
     assert ordered(0.1).then(C, UGV, -0.3, 0.2, 0.0) == ordered(0.1)._replace(
-        astern=Held(0.3, LASTS, 0.0), turning=Held(0.2, LASTS, 0.0)
+        astern=Held(0.3, LASTS, 0.0), left=Held(0.2, LASTS, 0.0)
     )
 
 
@@ -107,17 +110,25 @@ def test_who_was_told_to_stop_may_not_have_heard_it():
     """Nothing but the clock ends what a UGV goes on with."""
     ugv = UgvState(0.0, 0.0, 0.0, 0.4, 0.0, 0.0)
     told = [ordered(*[0.4] * 80, *[0.0] * n) for n in (0, 1, 30)]
-    go, *stops = (ugv_commitment(C, UGV, ugv, one, C.age) for one in told)
+    go, *stops = (ugv_commitment(C, UGV, ugv, one, C.age).tube for one in told)
     assert go.ahead == pytest.approx(ugv_tube(C, UGV, ugv, told[0], C.age, 0.4, 0.0).ahead)
     assert [go.ahead - stop.ahead for stop in stops] == pytest.approx([0.4 * 0.01, 0.4 * 0.3])
 
 
-def test_so_it_is_with_a_turn():
-    ugv = UgvState(0.0, 0.0, 0.0, 0.0, 0.5, 0.0)
-    turned = ordered(*[0.0] * 80, turn=0.5).then(C, UGV, 0.0, 0.0, C.period)
+@pytest.mark.parametrize("way", (1.0, -1.0))
+def test_so_it_is_with_a_turn(way):
+    rate = 0.5
+    ugv = UgvState(0.0, 0.0, 0.0, 0.0, way * rate, 0.0)
+    turned = ordered(*[0.0] * 80, turn=way * rate).then(C, UGV, 0.0, 0.0, C.period)
     still = ordered(*[0.0] * 80)
-    more = [ugv_commitment(C, UGV, ugv, one, 0.0).swing for one in (turned, still)]
-    assert more[0] - more[1] == pytest.approx(0.5 * (UGV.hold_over - C.period))
+    (to, fro), (to_still, fro_still) = (
+        ugv_commitment(C, UGV, ugv, one, 0.0).tube.turn[:: int(way)] for one in (turned, still)
+    )
+    reacting = UGV.turn_acceleration * (C.latency + C.period)
+    chasing = min(rate, rate + C.rate_error + reacting) - (rate + C.rate_error)
+    assert chasing < 0.0, "it turns as fast as it was told already"
+    assert to - to_still == pytest.approx(rate * (UGV.hold_over - C.period))
+    assert fro == fro_still
 
 
 @pytest.mark.parametrize("missed", (0, 1, 3, 5))
@@ -192,7 +203,7 @@ def test_the_way_of_a_ugv_is_reaction_and_braking_by_the_contract(way):
     tube = ugv_tube(C, UGV, ugv, ordered(*[way * 0.5] * 20), age, 0.0, 0.0)
     v = 0.5 + C.velocity_error
     reaction = v * (age + C.latency + C.period)
-    ahead, astern = (tube.ahead, tube.astern) if way > 0.0 else (tube.astern, tube.ahead)
+    ahead, astern = (tube.ahead, tube.astern)[:: int(way)]
     assert ahead == pytest.approx(reaction + v * v / (2.0 * (UGV.acceleration - C.disturbance)))
     assert astern == 0.0
 
@@ -209,46 +220,132 @@ def test_a_ugv_may_still_chase_what_it_was_told_before(way):
     assert further == pytest.approx(expected)
 
 
-def test_a_nose_swings_as_long_as_its_turning_takes_to_die_down():
+@pytest.mark.parametrize("way", (1.0, -1.0))
+def test_a_nose_swings_as_long_as_its_turning_takes_to_die_down(way):
     """Seen turning at 0.5 rad/s, told to turn on at 0.4."""
-    ugv, reaction = UgvState(0.0, 0.0, 0.0, 0.0, 0.5, 0.0), C.latency + C.period
-    tube = ugv_tube(C, UGV, ugv, NO_ORDERS, 0.0, 0.0, 0.4)
-    turning = 0.5 + C.rate_error + UGV.turn_acceleration * reaction
+    ugv, reaction = UgvState(0.0, 0.0, 0.0, 0.0, way * 0.5, 0.0), C.latency + C.period
+    to, fro = ugv_tube(C, UGV, ugv, NO_ORDERS, 0.0, 0.0, way * 0.4).turn[:: int(way)]
+    turning = 0.5 + C.rate_error
     swing = turning * (reaction + turning / (2.0 * UGV.turn_acceleration)) + 0.4 * UGV.hold_over
-    assert tube.swing == pytest.approx(swing + C.angle_error)
+    assert to == pytest.approx(C.angle_error + swing)
+    assert fro == C.angle_error
+
+
+def test_a_nose_may_still_chase_a_turn_it_was_told_before():
+    ugv, reaction = UgvState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), C.latency + C.period
+    told = NO_ORDERS.then(C, UGV, 0.0, 1.5, C.period).then(C, UGV, 0.0, 0.0, C.period)
+    turning = C.rate_error + UGV.turn_acceleration * reaction
+    swing = turning * (reaction + turning / (2.0 * UGV.turn_acceleration))
+    assert ugv_tube(C, UGV, ugv, told, 0.0, 0.0, 0.0).turn.left == pytest.approx(C.angle_error + swing)
 
 
 def test_another_ugv_is_as_near_as_its_own_stop_may_bring_it():
     me, other = UgvState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), UgvState(3.0, 0.0, pi, 0.3, 0.0, 0.0)
     uav = (UAV, world().uav, uav_tube(C, UAV, world().uav, (NOTHING,) * 3, STANDING, 0.0))
-    towards = ugv_tube(C, UGV, other, NO_ORDERS, 0.0, 0.0, 0.0)
+    towards = ugv_commitment(C, UGV, other, NO_ORDERS, 0.0)
     *_, face, _ = ugv_faces(C, UGV, HALL, me, ((UGV, other, towards),), uav)
     assert face.gap == pytest.approx(3.0 - 2.0 * UGV.radius)
-    assert face.room == pytest.approx(face.gap - 2.0 * C.position_error - towards.ahead)
+    assert face.room == pytest.approx(face.gap - 2.0 * C.position_error - towards.tube.ahead)
 
 
-def test_a_ugv_goes_along_its_nose_as_far_as_it_may_turn():
-    for angle in (0.0, 0.5, 2.0):
-        tube = UgvTube(Heading.of(angle), 1.0, 0.2, 0.3)
-        assert tube.advance(cos(angle), sin(angle)) == pytest.approx(1.0)
-        assert tube.advance(-cos(angle), -sin(angle)) == pytest.approx(0.2)
-        assert tube.advance(-sin(angle), cos(angle)) == pytest.approx(0.3)
-    assert UgvTube(Heading.of(0.0), 1.0, 0.0, 0.0).advance(0.0, 1.0) == 0.0
+@pytest.mark.parametrize("angle", (0.0, 0.5, 2.0))
+def test_a_ugv_goes_along_its_nose_as_far_as_it_may_turn(angle):
+    tube = UgvTube(Heading.of(angle), 1.0, 0.2, Turn(left=0.6, right=0.15))
+
+    def advance(a: float) -> float:
+        x, y = cos(angle + a), sin(angle + a)
+        return tube.along(tube.shares(x, y))
+
+    assert [advance(0.0), advance(pi)] == pytest.approx([1.0, 0.2])
+    assert [advance(pi / 2), advance(-pi / 2)] == pytest.approx([0.6, 0.15]), (
+        "a nose leads farther than a tail"
+    )
+    assert advance(1.9) == pytest.approx(cos(1.9) + 0.6 * sin(1.9))
+    tube = tube._replace(ahead=0.0)
+    assert [advance(pi / 2), advance(-pi / 2)] == pytest.approx([0.2 * 0.15, 0.2 * 0.6]), "a tail goes right"
 
 
-def test_really_turning_goes_no_farther_than_that():
-    ugv = UgvState(0.0, 0.0, 0.3, 0.5, 0.4, 0.0)
-    tube = ugv_tube(C, UGV, ugv, ordered(*[0.5] * 20), 0.0, 0.5, 0.8)
-    model, state = replace(P3_DX, acceleration=UGV.acceleration - C.disturbance), ugv
-    for step in range(2000):
-        t = 0.002 * step
-        told = (
-            VelocityCommand(0.5, 0.0, 0.0, 0.8) if t < C.latency + UGV.hold_over else VelocityCommand.hover()
-        )
-        state = model.step(state, told, 0.002)
-        for k in range(16):
-            x, y = cos(pi * k / 8), sin(pi * k / 8)
-            assert state.x * x + state.y * y <= tube.advance(x, y) + 1e-9
+@pytest.mark.parametrize("angle", (0.0, 0.5, 2.0))
+def test_what_a_ugv_is_committed_to_it_turns_from_by_and_by(angle):
+    tube = UgvTube(Heading.of(angle), 1.0, 0.2, Turn(left=0.6, right=0.15))
+    going = UgvCommitment(tube, Turn(0.3, 0.1), Turn(0.4, 0.12))
+
+    def advance(a: float) -> float:
+        return going.advance(cos(angle + a), sin(angle + a))
+
+    assert [advance(0.0), advance(pi)] == pytest.approx([1.0, 0.2])
+    assert [advance(pi / 2), advance(-pi / 2)] == pytest.approx([0.3, 0.1])
+    a = pi / 2 + 0.35
+    assert advance(a) == pytest.approx(cos(a) + 0.6 * sin(a)), "what leads away takes off what its end does"
+    a = pi / 2 + 0.01
+    assert advance(a) == pytest.approx(0.3 * sin(a)), "but not what it does on average"
+    going = going._replace(tube=tube._replace(ahead=0.0))
+    assert [advance(pi / 2), advance(-pi / 2)] == pytest.approx([0.2 * 0.12, 0.2 * 0.4]), "a tail goes right"
+
+
+def test_a_nose_turns_by_and_by():
+    """Half of what comes first while it reacts, some while a command is gone on with, all while it brakes."""
+    turn = Phases(0.0, 0.1, 0.4, 0.05)
+    assert Phases(0.0, 1.0, 2.0, 3.0).turned(turn, 0.2) == pytest.approx(
+        (0.05 + 2.0 * 0.3 + 3.0 * 0.55) / 6.0
+    )
+
+
+EXACT = replace(C, velocity_error=0.0, angle_error=0.0, rate_error=0.0, disturbance=0.0)
+"""Nothing hides what a stop leaves out."""
+SLUGGISH = replace(UGV, turn_acceleration=1.0)
+
+
+def full(most):
+    return st.floats(-most, most)
+
+
+@pytest.mark.parametrize(
+    ("contract", "stop"),
+    ((C, UGV), (EXACT, UGV), (EXACT, SLUGGISH)),
+    ids=("with errors", "without", "turning dies slowly"),
+)
+@given(
+    seen=st.tuples(full(0.8), full(1.5)),
+    before=st.tuples(full(0.8), full(1.5)),
+    told=st.tuples(full(0.8), full(1.5)),
+    late=st.floats(0.0, C.latency),
+    heard=st.floats(0.0, UGV.hold_over),
+)
+@example((0.8, 1.5), (0.8, 1.5), (0.8, 1.5), C.latency, UGV.hold_over)  # all there is
+@example((0.8, 0.0), (0.8, 0.0), (0.8, 1.5), C.latency, UGV.hold_over)  # it begins to turn
+@example(
+    (0.0, 0.0), (0.0, 0.0), (0.8, 1.5), 0.0, UGV.hold_over
+)  # slow at first, so where it turns counts most
+@example((-0.8, 1.5), (-0.8, 1.5), (-0.8, 1.5), C.latency, UGV.hold_over)
+@example((0.8, 1.5), (0.8, 1.5), (0.0, 1.5), C.latency, UGV.hold_over)  # told to stop, and to turn on
+@example((0.8, -1.5), (0.8, -1.5), (0.0, 0.0), C.latency, 0.0)
+@example((0.5, 1.5), (0.0, 0.0), (0.5, 0.0), 0.0, 0.5)  # its turning dies down while it goes on
+def test_however_it_is_driven_a_ugv_goes_no_farther_than_its_tube(
+    contract, stop, seen, before, told, late, heard
+):
+    """It chases what it was told before, hears late what it is told now, goes on with that for a while, and stops."""
+    state, step = UgvState(0.0, 0.0, 0.3, *seen, 0.0), 0.01
+    model = replace(
+        P3_DX,
+        acceleration=stop.acceleration - contract.disturbance,
+        turn_acceleration=stop.turn_acceleration,
+    )
+    orders = NO_ORDERS
+    for _ in range(20):
+        orders = orders.then(contract, stop, *before, contract.period)
+    tube = ugv_tube(contract, stop, state, orders, 0.0, *told)
+    commitment = ugv_commitment(
+        contract, stop, state, orders.then(contract, stop, *told, contract.period), 0.0
+    )
+    ways = [(cos(pi * k / 12), sin(pi * k / 12)) for k in range(24)]
+    farthest = [min(tube.along(tube.shares(x, y)), commitment.advance(x, y)) for x, y in ways]
+    for i in range(300):
+        t = step * i
+        v, w = before if t < late else told if t < late + heard else (0.0, 0.0)
+        state = model.step(state, VelocityCommand(v, 0.0, 0.0, w), step)
+        for (x, y), most in zip(ways, farthest, strict=True):
+            assert state.x * x + state.y * y <= most + 1e-9
 
 
 def test_sides_of_a_box_and_its_corners():

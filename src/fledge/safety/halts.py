@@ -23,6 +23,8 @@ def _ugv(net: Deciding, stop: UgvStop, ugv: UgvState, sent: UgvSent, t: Scalar) 
     tube = ugv_tube(c, stop, ugv, sent, t - ugv.stamp, 0.0, 0.0)
     surely = maximum(abs(v) - c.velocity_error, 0.0)
     least = surely * surely / (2.0 * (stop.acceleration + c.disturbance))
-    x, y = tube.nose.to_world(0.5 * (tube.ahead - tube.astern + where(v < 0.0, -least, least)), 0.0)
-    miss = 0.5 * (tube.ahead + tube.astern - least) + tube.swing * maximum(tube.ahead, tube.astern)
+    ahead, astern = tube.ahead, tube.astern
+    x, y = tube.nose.to_world(0.5 * (ahead - astern + where(v < 0.0, -least, least)), 0.0)
+    aside = maximum(*tube.turn) * maximum(ahead, astern)
+    miss = 0.5 * (ahead + astern - least) + aside
     return Halt(ugv.x + x, ugv.y + y, miss + c.position_error)

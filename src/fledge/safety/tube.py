@@ -99,6 +99,13 @@ class Pace(NamedTuple):
         return Pace(maximum(self.speed * left, speed), maximum(self.turn * left, abs(turn)))
 
 
+class Turn(NamedTuple):
+    """How far the nose of a UGV may turn to its left, and to its right [rad]."""
+
+    left: Scalar
+    right: Scalar
+
+
 class UgvTube(NamedTuple):
     """How far a UGV goes that has gone on with a command until its own watchdog ended it."""
 
@@ -107,23 +114,53 @@ class UgvTube(NamedTuple):
     """Length of its way forwards [m]."""
     astern: Scalar
     """Length of its way in reverse [m]."""
-    swing: Scalar
-    """By how much its nose may turn meanwhile [rad]."""
+    turn: Turn
+    """Meanwhile; as if it were turned so far from the start, so that it does not matter how fast it goes."""
 
     def shares(self, x: Scalar, y: Scalar) -> tuple[Scalar, Scalar]:
         """Which share of its way forwards, and in reverse, leads along the unit vector (x, y), however it turns."""
         towards = self.nose.cos * x + self.nose.sin * y
-        aside = abs(self.nose.cos * y - self.nose.sin * x) * self.swing
-        return clip(towards + aside, 0.0, 1.0), clip(aside - towards, 0.0, 1.0)
+        across = self.nose.cos * y - self.nose.sin * x
+        left, right = self.turn
+        # With a the angle to that vector and b a turn towards it, cos(a - b) <= cos a + |sin a| b. A tail goes right
+        # where the nose turns left.
+        nose, tail = where(across > 0.0, (left, right), (right, left))
+        aside = abs(across)
+        return clip(towards + aside * nose, 0.0, 1.0), clip(aside * tail - towards, 0.0, 1.0)
 
     def along(self, shares: tuple[Scalar, Scalar]) -> Scalar:
         """How far it goes, of these shares [m]."""
         forwards, backwards = shares
         return maximum(self.ahead * forwards, self.astern * backwards)
 
+
+class UgvCommitment(NamedTuple):
+    """How far a UGV goes of which nobody knows what it goes on with."""
+
+    tube: UgvTube
+    """As if it were turned from the start as it is at the end."""
+    ahead: Turn
+    """On average of its way forwards."""
+    astern: Turn
+    """And in reverse."""
+
     def advance(self, x: Scalar, y: Scalar) -> Scalar:
-        """How far it goes along the unit vector (x, y) [m]."""
-        return self.along(self.shares(x, y))
+        """How far it goes along the unit vector (x, y) [m].
+
+        What leads away at first takes nothing off, since it may be gone slowly; the average counts, but all of its way
+        leads there by no more than its end does.
+        """
+        nose, tube = self.tube.nose, self.tube
+        towards = nose.cos * x + nose.sin * y
+        across = nose.cos * y - nose.sin * x
+        ahead, astern = where(
+            across > 0.0, (self.ahead.left, self.astern.right), (self.ahead.right, self.astern.left)
+        )
+        aside = abs(across)
+        forwards, backwards = tube.shares(x, y)
+        forwards = minimum(forwards, maximum(towards, 0.0) + aside * ahead)
+        backwards = minimum(backwards, maximum(-towards, 0.0) + aside * astern)
+        return tube.along((forwards, backwards))
 
 
 class Sent(NamedTuple):
@@ -205,21 +242,47 @@ class UgvSent(NamedTuple):
 
     ahead: Held
     astern: Held
-    turning: Held
-    """Either way."""
+    left: Held
+    """Turning to its left."""
+    right: Held
 
     @classmethod
     def nothing(cls, zero: Scalar) -> "UgvSent":
         """At the start of a flight."""
-        return cls(*(Held.nothing(zero),) * 3)
+        return cls(*(Held.nothing(zero),) * 4)
 
     def then(
         self, contract: Contract, stop: UgvStop, forward: Scalar, turn: Scalar, elapsed: float
     ) -> "UgvSent":
         """One command more, so long after the last [s]; at once, if it was sent instead of that."""
         lasts = stop.hold_over + contract.age + contract.latency
-        commands = zip(self, (forward, -forward, abs(turn)), strict=True)
+        commands = zip(self, (forward, -forward, turn, -turn), strict=True)
         return UgvSent(*(held.then(command, elapsed, lasts) for held, command in commands))
+
+
+class Phases(NamedTuple):
+    """A motion in one direction until it rests [m or rad], in its three phases."""
+
+    top: Scalar
+    """The largest speed [m/s or rad/s]."""
+    reacting: Scalar
+    """Before the command is obeyed."""
+    held: Scalar
+    """While it is gone on with."""
+    braking: Scalar
+
+    @property
+    def whole(self) -> Scalar:
+        """Of all three."""
+        return self.reacting + self.held + self.braking
+
+    def turned(self, turn: "Phases", growing: Scalar) -> Scalar:
+        """How far a nose that turns meanwhile has turned, on average of this way [rad].
+
+        By `growing` it turns, on average, while the command is gone on with.
+        """
+        by = 0.5 * self.reacting * turn.reacting + self.held * (turn.reacting + growing)
+        return (by + self.braking * turn.whole) / (self.whole + TINY)
 
 
 def within(periods: Scalar, commands: int) -> list[Scalar]:
@@ -290,56 +353,64 @@ def ugv_tube(
     turn: Scalar,
 ) -> UgvTube:
     """The stop of a UGV that hears a command and goes on with it until its watchdog ends it; (0, 0) is to stop now."""
-    commands = (forward, -forward, abs(turn))
-    held = tuple((command, command * stop.hold_over) for command in commands)
-    return _ugv_tube(contract, stop, ugv, sent, age, held)
+    on = stop.hold_over
+    held = (forward, forward * on), (-forward, -forward * on), (turn, turn * on), (-turn, -turn * on)
+    ahead, astern, left, right = _phases(contract, stop, ugv, sent, age, held)
+    ends = Turn(contract.angle_error + left.whole, contract.angle_error + right.whole)
+    return UgvTube(Heading.of(ugv.heading), ahead.whole, astern.whole, ends)
 
 
-def ugv_commitment(contract: Contract, stop: UgvStop, ugv: UgvState, sent: UgvSent, age: Scalar) -> UgvTube:
+def ugv_commitment(
+    contract: Contract, stop: UgvStop, ugv: UgvState, sent: UgvSent, age: Scalar
+) -> UgvCommitment:
     """The stop of a UGV of which nobody knows which of the commands it was sent was the last that it heard."""
-    delay = contract.age + contract.latency
-    held = tuple((one.most, one.way(delay, stop.hold_over)) for one in sent)
-    return _ugv_tube(contract, stop, ugv, sent, age, held)
+    delay, on, error = contract.age + contract.latency, stop.hold_over, contract.angle_error
+    held = tuple((one.most, one.way(delay, on)) for one in sent)
+    ahead, astern, left, right = _phases(contract, stop, ugv, sent, age, held)
+
+    def growing(turn: Phases) -> Scalar:
+        # Half of it at a steady rate; and never more than all of it.
+        return minimum(0.5 * turn.top * on, turn.held + turn.braking)
+
+    growing_left, growing_right = growing(left), growing(right)
+
+    def mean(way: Phases) -> Turn:
+        return Turn(error + way.turned(left, growing_left), error + way.turned(right, growing_right))
+
+    ends = Turn(error + left.whole, error + right.whole)
+    tube = UgvTube(Heading.of(ugv.heading), ahead.whole, astern.whole, ends)
+    return UgvCommitment(tube, mean(ahead), mean(astern))
 
 
-def _ugv_tube(
+def _phases(
     contract: Contract,
     stop: UgvStop,
     ugv: UgvState,
     sent: UgvSent,
     age: Scalar,
     held: tuple[tuple[Scalar, Scalar], ...],
-) -> UgvTube:
-    """The stop after going on with a command; `held` has (speed, way) ahead, astern, and of turning."""
+) -> tuple[Phases, Phases, Phases, Phases]:
+    """Of going ahead and astern, and of turning left and right; `held` has (speed, way) of the command of each."""
     reaction = age + contract.latency + contract.period
-    # Before a command bites the speed may still chase an earlier one.
-    gain = contract.velocity_error + stop.acceleration * reaction
-    v = ugv.speed
-    fastest = maximum(v + contract.velocity_error, minimum(sent.ahead.most, v + gain))
-    slowest = maximum(contract.velocity_error - v, minimum(sent.astern.most, gain - v))
-    ahead, astern, (turn, turned) = held
-    turning = minimum(
-        abs(ugv.turn_rate) + contract.rate_error + stop.turn_acceleration * reaction, stop.most_turn
-    )
-    turning = maximum(turning, turn)
-    swing = turning * (reaction + turning / (2.0 * stop.turn_acceleration)) + turned
-    return UgvTube(
-        Heading.of(ugv.heading),
-        _way(contract, stop, reaction, fastest, ahead),
-        _way(contract, stop, reaction, slowest, astern),
-        swing + contract.angle_error,
-    )
 
+    def motion(
+        seen: Scalar, error: float, gain: float, brake: float, sent: Held, held: tuple[Scalar, Scalar]
+    ) -> Phases:
+        told, way = held
+        speed = seen + error
+        # Before a command bites the speed may still chase an earlier one.
+        speed = maximum(maximum(speed, minimum(sent.most, speed + gain * reaction)), 0.0)
+        top = maximum(speed, told)
+        return Phases(top, speed * reaction, maximum(way, 0.0), top * top / (2.0 * brake))
 
-def _way(
-    contract: Contract, stop: UgvStop, reaction: Scalar, speed: Scalar, held: tuple[Scalar, Scalar]
-) -> Scalar:
-    """Length of the way [m] in one direction: reaction, command gone on with, braking."""
-    told, way = held
-    speed = maximum(speed, 0.0)
-    top = maximum(speed, told)
-    braking = top * top / (2.0 * (stop.acceleration - contract.disturbance))
-    return speed * reaction + maximum(way, 0.0) + braking
+    drive = contract.velocity_error, stop.acceleration, stop.acceleration - contract.disturbance
+    steering = contract.rate_error, stop.turn_acceleration, stop.turn_acceleration
+    return (
+        motion(ugv.speed, *drive, sent.ahead, held[0]),
+        motion(-ugv.speed, *drive, sent.astern, held[1]),
+        motion(ugv.turn_rate, *steering, sent.left, held[2]),
+        motion(-ugv.turn_rate, *steering, sent.right, held[3]),
+    )
 
 
 def wall_faces(arena: Arena, x: Scalar, y: Scalar, radius: float) -> tuple[tuple[float, float, Scalar], ...]:
@@ -372,7 +443,7 @@ def uav_faces(
     arena: Arena,
     uav: UavState,
     tube: UavTube,
-    ugvs: tuple[tuple[UgvStop, UgvState, UgvTube], ...],
+    ugvs: tuple[tuple[UgvStop, UgvState, UgvCommitment], ...],
 ) -> list[Face]:
     """All that the UAV must stay clear of."""
     x, y, z = uav.position.x, uav.position.y, uav.position.z
@@ -391,10 +462,12 @@ def uav_faces(
         room = gap - tube.error - tube.advance(-nx, -ny)
         above = low - obstacle.height
         faces.append(_side_or_top(nx, ny, gap, room, above, above - sink, Reason.OBSTACLE))
-    for ugv_stop, ugv, ugv_tube in ugvs:
+    for ugv_stop, ugv, commitment in ugvs:
         nx, ny, far = side_of_point(x - ugv.x, y - ugv.y)
         gap = far - stop.radius - ugv_stop.radius
-        room = gap - tube.error - contract.position_error - tube.advance(-nx, -ny) - ugv_tube.advance(nx, ny)
+        room = (
+            gap - tube.error - contract.position_error - tube.advance(-nx, -ny) - commitment.advance(nx, ny)
+        )
         above = low - ugv_stop.height
         faces.append(_side_or_top(nx, ny, gap, room, above, above - sink, Reason.VEHICLE))
     return faces
@@ -420,7 +493,7 @@ def ugv_faces(
     stop: UgvStop,
     arena: Arena,
     ugv: UgvState,
-    others: tuple[tuple[UgvStop, UgvState, UgvTube], ...],
+    others: tuple[tuple[UgvStop, UgvState, UgvCommitment], ...],
     uav: tuple[UavStop, UavState, UavTube],
 ) -> list[Face]:
     """All that a UGV must stay clear of; the room does not yet count its own way, which its command decides."""
@@ -432,10 +505,10 @@ def ugv_faces(
         nx, ny, far = side_of_box(obstacle.footprint, ugv.x, ugv.y)
         gap = far - stop.radius
         faces.append(Face(nx, ny, 0.0, gap, gap - error, Reason.OBSTACLE))
-    for other_stop, other, tube in others:
+    for other_stop, other, commitment in others:
         nx, ny, far = side_of_point(ugv.x - other.x, ugv.y - other.y)
         gap = far - stop.radius - other_stop.radius
-        room = gap - 2.0 * error - tube.advance(nx, ny)
+        room = gap - 2.0 * error - commitment.advance(nx, ny)
         faces.append(Face(nx, ny, 0.0, gap, room, Reason.VEHICLE))
     uav_stop, state, uav_tube = uav
     nx, ny, far = side_of_point(ugv.x - state.position.x, ugv.y - state.position.y)

@@ -32,7 +32,7 @@ from fledge.safety.tube import (
     ugv_faces,
     ugv_tube,
 )
-from fledge.scalars import Scalar, clip, isfinite, maximum, minimum, negate, where
+from fledge.scalars import Scalar, clip, cond, isfinite, maximum, minimum, negate, where
 from fledge.world import Arena, Commands, Reason, UavState, UgvState, VelocityCommand, Verdict, WorldState
 
 SLOW = 0.3
@@ -94,7 +94,7 @@ class UgvTurn(NamedTuple):
     """Whether they are numbers, and what is known of the UGV is fresh."""
     faces: list[Face]
     """Their room does not count the UGV's own way yet."""
-    shares: list[tuple[Scalar, Scalar]]
+    shares: tuple[tuple[Scalar, Scalar], ...]
     """Which share of its way forwards, and in reverse, leads to each face."""
     rooms: list[Scalar]
     """What the proposal leaves before each face [m]."""
@@ -159,7 +159,8 @@ def in_turn(
         others = [(net.ugvs[j], world.ugvs[j], commitments[j]) for j in range(len(net.ugvs)) if j != i]
         faces = ugv_faces(net.contract, stop, memory.arena, ugv, tuple(others), (net.uav, world.uav, tube))
         one, verdict = _ugv(net, stop, memory.ugvs[i], ugv, world.t, commands.ugvs[i], faces)
-        commitments[i] = ugv_commitment(net.contract, stop, ugv, one, world.t - ugv.stamp)
+        if i + 1 < len(net.ugvs):  # who comes last is minded by nobody
+            commitments[i] = ugv_commitment(net.contract, stop, ugv, one, world.t - ugv.stamp)
         remembered.append(one)
         verdicts.append(verdict)
     return Memory(memory.arena, uav, tuple(remembered)), tuple(verdicts)
@@ -317,33 +318,38 @@ def _ugv(
     turn = clip(proposed.turn, -stop.most_turn, stop.most_turn)
     number, fresh = isfinite(forward + turn), _fresh(net.contract, age)
     known = number & fresh & isfinite(ugv.x + ugv.y + ugv.heading + ugv.speed + ugv.turn_rate)
-    # Its hull is a disc: as long as it stands it may turn. One that moves may swing its way into something.
-    stands = number & (abs(ugv.speed) <= STANDS)
     way = partial(ugv_tube, net.contract, stop, ugv, memory, age)
-    turn = where(stands | _clears(faces, way(0.0, turn)), turn, 0.0 * turn)
+
+    def swept(turn: Scalar) -> tuple[Scalar, UgvTube, tuple[tuple[Scalar, Scalar], ...]]:
+        go = way(forward, turn)
+        return turn, go, tuple(go.shares(-face.x, -face.y) for face in faces)
+
+    turning = swept(turn)
+    # Its hull is a disc: as long as it stands it may turn. One that moves may swing its way into something; it turns as
+    # far whether it stops or goes.
+    stands = number & (abs(ugv.speed) <= STANDS)
+    may_turn = stands | _clears(faces, turning[2], way(0.0, turn))
+    turn, go, shares = cond(may_turn, lambda: turning, lambda: swept(0.0 * turn))
     way = partial(way, turn=turn)
-    go = way(forward)
-    # It turns as far whether it stops or goes.
-    shares = [go.shares(-face.x, -face.y) for face in faces]
     rooms = [face.room - go.along(share) for face, share in zip(faces, shares, strict=True)]
     tightest, gap = _tightest(faces, rooms)
     passes, chosen = net.decide_ugv(stop, UgvTurn(forward, turn, known, faces, shares, rooms, way))
-    zero = 0.0 * memory.turning.most
+    zero = 0.0 * memory.left.most
     passes = passes & isfinite(chosen)
     speed = where(passes, chosen, zero)
-    turning = where(passes | stands, turn, zero)
+    turned = where(passes | stands, turn, zero)
     reason = where(number, where(fresh, tightest.reason, Reason.STALE), Reason.NOT_FINITE)
-    sent = VelocityCommand(speed, proposed.left, proposed.up, turning)
+    sent = VelocityCommand(speed, proposed.left, proposed.up, turned)
     verdict = _verdict(proposed, sent, reason, gap)
-    verdict = Verdict(VelocityCommand(speed, zero, zero, turning), verdict.intervened, verdict.reason, gap)
-    return memory.then(net.contract, stop, speed, turning, net.contract.period), verdict
+    verdict = Verdict(VelocityCommand(speed, zero, zero, turned), verdict.intervened, verdict.reason, gap)
+    return memory.then(net.contract, stop, speed, turned, net.contract.period), verdict
 
 
-def _clears(faces: list[Face], halt: UgvTube) -> Scalar:
+def _clears(faces: list[Face], shares: tuple[tuple[Scalar, Scalar], ...], halt: UgvTube) -> Scalar:
     """Whether a stop leaves room before every face."""
     clears = True
-    for face in faces:
-        clears = clears & (face.room - halt.along(halt.shares(-face.x, -face.y)) >= 0.0)
+    for face, share in zip(faces, shares, strict=True):
+        clears = clears & (face.room - halt.along(share) >= 0.0)
     return clears
 
 
