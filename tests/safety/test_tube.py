@@ -18,14 +18,15 @@ from fledge.safety.tube import (
     Sent,
     Turn,
     UavTube,
-    UgvCommitment,
     UgvSent,
+    UgvSweep,
     UgvTube,
     side_of_box,
     uav_faces,
     uav_tube,
     ugv_commitment,
     ugv_faces,
+    ugv_sweep,
     ugv_tube,
     within,
 )
@@ -268,7 +269,7 @@ def test_a_ugv_goes_along_its_nose_as_far_as_it_may_turn(angle):
 @pytest.mark.parametrize("angle", (0.0, 0.5, 2.0))
 def test_what_a_ugv_is_committed_to_it_turns_from_by_and_by(angle):
     tube = UgvTube(Heading.of(angle), 1.0, 0.2, Turn(left=0.6, right=0.15))
-    going = UgvCommitment(tube, Turn(0.3, 0.1), Turn(0.4, 0.12))
+    going = UgvSweep(tube, Turn(0.3, 0.1), Turn(0.4, 0.12))
 
     def advance(a: float) -> float:
         return going.advance(cos(angle + a), sin(angle + a))
@@ -339,7 +340,9 @@ def test_however_it_is_driven_a_ugv_goes_no_farther_than_its_tube(
         contract, stop, state, orders.then(contract, stop, *told, contract.period), 0.0
     )
     ways = [(cos(pi * k / 12), sin(pi * k / 12)) for k in range(24)]
-    farthest = [min(tube.along(tube.shares(x, y)), commitment.advance(x, y)) for x, y in ways]
+    sweep = ugv_sweep(contract, stop, state, orders, 0.0, *told)
+    assert sweep.tube == tube
+    farthest = [min(sweep.advance(x, y), commitment.advance(x, y)) for x, y in ways]
     for i in range(300):
         t = step * i
         v, w = before if t < late else told if t < late + heard else (0.0, 0.0)

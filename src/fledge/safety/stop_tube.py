@@ -12,16 +12,18 @@ commands, NaN included, nothing is touched as long as the `Contract` holds.
 out, and if none does, the UAV's hold point itself moves out. A way in which every stop fits is never closed.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from fledge.dynamics import UGV_FLEET
 from fledge.geometry import Vec3
 from fledge.safety.base import AbstractNet, Halt
 from fledge.safety.contract import Contract, UavStop, UgvStop
 from fledge.safety.halts import halts
-from fledge.safety.tube import Face
+from fledge.safety.tube import Face, UgvSweep
 from fledge.safety.turns import Memory, UavTurn, UgvTurn, begin, in_turn, sent_instead
-from fledge.scalars import Scalar, maximum, minimum
+from fledge.scalars import Scalar, cond, maximum, minimum
 from fledge.world import Arena, Commands, Verdict, WorldState
 
 
@@ -64,8 +66,13 @@ class StopTube(AbstractNet):
         for face, (forwards, backwards), left in zip(turn.faces, turn.shares, turn.rooms, strict=True):
             room = self._kept(face, left)
             nearer = maximum(turn.forward * forwards, -turn.forward * backwards)
-            passes = passes & ((room >= 0.0) | (nearer <= 0.0))
+            passes = passes & cond(
+                (room >= 0.0) | (nearer <= 0.0), lambda: True, partial(self._clears, face, turn.sweep)
+            )
         return passes, turn.forward
+
+    def _clears(self, face: Face, sweep: Callable[[], UgvSweep]) -> Scalar:
+        return self._kept(face, face.room - sweep().advance(-face.x, -face.y)) >= 0.0
 
     def overruled(self, memory: Memory, world: WorldState, instead: Commands) -> Memory:
         """What was really sent is what the next stop begins with."""

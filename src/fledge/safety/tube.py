@@ -134,8 +134,8 @@ class UgvTube(NamedTuple):
         return maximum(self.ahead * forwards, self.astern * backwards)
 
 
-class UgvCommitment(NamedTuple):
-    """How far a UGV goes of which nobody knows what it goes on with."""
+class UgvSweep(NamedTuple):
+    """How far a UGV goes that turns by and by."""
 
     tube: UgvTube
     """As if it were turned from the start as it is at the end."""
@@ -360,26 +360,54 @@ def ugv_tube(
     return UgvTube(Heading.of(ugv.heading), ahead.whole, astern.whole, ends)
 
 
-def ugv_commitment(
-    contract: Contract, stop: UgvStop, ugv: UgvState, sent: UgvSent, age: Scalar
-) -> UgvCommitment:
+def ugv_sweep(
+    contract: Contract,
+    stop: UgvStop,
+    ugv: UgvState,
+    sent: UgvSent,
+    age: Scalar,
+    forward: Scalar,
+    turn: Scalar,
+) -> UgvSweep:
+    """The same stop, as it turns."""
+    on = stop.hold_over
+    held = (forward, forward * on), (-forward, -forward * on), (turn, turn * on), (-turn, -turn * on)
+    return _sweep(contract, stop, ugv, sent, age, held)
+
+
+def ugv_commitment(contract: Contract, stop: UgvStop, ugv: UgvState, sent: UgvSent, age: Scalar) -> UgvSweep:
     """The stop of a UGV of which nobody knows which of the commands it was sent was the last that it heard."""
-    delay, on, error = contract.age + contract.latency, stop.hold_over, contract.angle_error
-    held = tuple((one.most, one.way(delay, on)) for one in sent)
+    delay = contract.age + contract.latency
+    held = tuple((one.most, one.way(delay, stop.hold_over)) for one in sent)
+    return _sweep(contract, stop, ugv, sent, age, held)
+
+
+def _sweep(
+    contract: Contract,
+    stop: UgvStop,
+    ugv: UgvState,
+    sent: UgvSent,
+    age: Scalar,
+    held: tuple[tuple[Scalar, Scalar], ...],
+) -> UgvSweep:
+    """The stop after going on with a command; `held` as for `_phases`."""
     ahead, astern, left, right = _phases(contract, stop, ugv, sent, age, held)
 
-    def growing(turn: Phases) -> Scalar:
-        # Half of it at a steady rate; and never more than all of it.
-        return minimum(0.5 * turn.top * on, turn.held + turn.braking)
+    def growing(turn: Phases, told: Scalar) -> Scalar:
+        # It turns at a steady rate, once it has eased off to it; slower if told less; and never by more than all of it.
+        eased, told = turn.top - maximum(told, 0.0), maximum(told, 0.0)
+        steady = 0.5 * told * stop.hold_over + eased * eased / (2.0 * stop.turn_acceleration)
+        return minimum(steady, turn.held + turn.braking)
 
-    growing_left, growing_right = growing(left), growing(right)
+    growing_left, growing_right = growing(left, held[2][0]), growing(right, held[3][0])
+    error = contract.angle_error
 
     def mean(way: Phases) -> Turn:
         return Turn(error + way.turned(left, growing_left), error + way.turned(right, growing_right))
 
     ends = Turn(error + left.whole, error + right.whole)
     tube = UgvTube(Heading.of(ugv.heading), ahead.whole, astern.whole, ends)
-    return UgvCommitment(tube, mean(ahead), mean(astern))
+    return UgvSweep(tube, mean(ahead), mean(astern))
 
 
 def _phases(
@@ -443,7 +471,7 @@ def uav_faces(
     arena: Arena,
     uav: UavState,
     tube: UavTube,
-    ugvs: tuple[tuple[UgvStop, UgvState, UgvCommitment], ...],
+    ugvs: tuple[tuple[UgvStop, UgvState, UgvSweep], ...],
 ) -> list[Face]:
     """All that the UAV must stay clear of."""
     x, y, z = uav.position.x, uav.position.y, uav.position.z
@@ -493,7 +521,7 @@ def ugv_faces(
     stop: UgvStop,
     arena: Arena,
     ugv: UgvState,
-    others: tuple[tuple[UgvStop, UgvState, UgvCommitment], ...],
+    others: tuple[tuple[UgvStop, UgvState, UgvSweep], ...],
     uav: tuple[UavStop, UavState, UavTube],
 ) -> list[Face]:
     """All that a UGV must stay clear of; the room does not yet count its own way, which its command decides."""

@@ -23,6 +23,7 @@ from fledge.safety.tube import (
     Sent,
     UavTube,
     UgvSent,
+    UgvSweep,
     UgvTube,
     filter_share,
     uav_error,
@@ -30,6 +31,7 @@ from fledge.safety.tube import (
     uav_tube,
     ugv_commitment,
     ugv_faces,
+    ugv_sweep,
     ugv_tube,
 )
 from fledge.scalars import Scalar, clip, cond, isfinite, maximum, minimum, negate, where
@@ -100,6 +102,8 @@ class UgvTurn(NamedTuple):
     """What the proposal leaves before each face [m]."""
     way: Callable[[Scalar], UgvTube]
     """Its way if it is told this speed [m/s], turning as proposed."""
+    sweep: Callable[[], UgvSweep]
+    """Its way if it is told what is proposed, as it turns: where `rooms` are too small, they may yet be enough."""
 
 
 class Deciding(Protocol):
@@ -331,9 +335,10 @@ def _ugv(
     may_turn = stands | _clears(faces, turning[2], way(0.0, turn))
     turn, go, shares = cond(may_turn, lambda: turning, lambda: swept(0.0 * turn))
     way = partial(way, turn=turn)
+    sweep = partial(ugv_sweep, net.contract, stop, ugv, memory, age, forward, turn)
     rooms = [face.room - go.along(share) for face, share in zip(faces, shares, strict=True)]
     tightest, gap = _tightest(faces, rooms)
-    passes, chosen = net.decide_ugv(stop, UgvTurn(forward, turn, known, faces, shares, rooms, way))
+    passes, chosen = net.decide_ugv(stop, UgvTurn(forward, turn, known, faces, shares, rooms, way, sweep))
     zero = 0.0 * memory.left.most
     passes = passes & isfinite(chosen)
     speed = where(passes, chosen, zero)
