@@ -49,7 +49,7 @@ mutations: $(SYNCED) ## delete each clause of the nets; a test must fail every t
 faults: $(SYNCED) ## fly every fault by the hundred (ten minutes) and write the matrix into docs/safety-case.md
 	$(BIN)/python benchmarks/faults.py
 
-margins: $(SYNCED) ## measure how much of the net's margin is needed (twenty minutes) for docs/safety-case.md
+margins: $(SYNCED) ## measure how much of the net's margin is needed (an hour) for docs/safety-case.md
 	$(BIN)/python benchmarks/margins.py --json benchmarks/margins.json --figure docs/pictures/sharpness.png
 
 lab: $(SYNCED) ## fly 1,000 flights in the lab's twin behind each of two nets (an hour and a half)

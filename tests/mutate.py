@@ -124,6 +124,7 @@ CLAUSES: dict[str, list[tuple[str, str]]] = {
         ("clip(proposed.forward, -stop.most, stop.most), clip", "proposed.forward, clip"),
     ],
     "stop_tube": [
+        ("lambda: True, partial(self._clears, face, turn.sweep)", "lambda: True, lambda: True"),
         ("minimum(away, 0.0) * self.uav.hold_over", "0.0"),
         ("((room < 0.0) & (away >= self.outwards))", "((room < 0.0) & (away >= 0.0))"),
         ("((room < 0.0) & (away >= self.outwards))", "(room < -1e6)"),

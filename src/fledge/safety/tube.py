@@ -353,8 +353,7 @@ def ugv_tube(
     turn: Scalar,
 ) -> UgvTube:
     """The stop of a UGV that hears a command and goes on with it until its watchdog ends it; (0, 0) is to stop now."""
-    on = stop.hold_over
-    held = (forward, forward * on), (-forward, -forward * on), (turn, turn * on), (-turn, -turn * on)
+    held = _gone_on_with(stop, forward, turn)
     ahead, astern, left, right = _phases(contract, stop, ugv, sent, age, held)
     ends = Turn(contract.angle_error + left.whole, contract.angle_error + right.whole)
     return UgvTube(Heading.of(ugv.heading), ahead.whole, astern.whole, ends)
@@ -369,10 +368,8 @@ def ugv_sweep(
     forward: Scalar,
     turn: Scalar,
 ) -> UgvSweep:
-    """The same stop, as it turns."""
-    on = stop.hold_over
-    held = (forward, forward * on), (-forward, -forward * on), (turn, turn * on), (-turn, -turn * on)
-    return _sweep(contract, stop, ugv, sent, age, held)
+    """The same stop as of `ugv_tube`, by which the nose turns by and by."""
+    return _sweep(contract, stop, ugv, sent, age, _gone_on_with(stop, forward, turn))
 
 
 def ugv_commitment(contract: Contract, stop: UgvStop, ugv: UgvState, sent: UgvSent, age: Scalar) -> UgvSweep:
@@ -380,6 +377,12 @@ def ugv_commitment(contract: Contract, stop: UgvStop, ugv: UgvState, sent: UgvSe
     delay = contract.age + contract.latency
     held = tuple((one.most, one.way(delay, stop.hold_over)) for one in sent)
     return _sweep(contract, stop, ugv, sent, age, held)
+
+
+def _gone_on_with(stop: UgvStop, forward: Scalar, turn: Scalar) -> tuple[tuple[Scalar, Scalar], ...]:
+    """(speed, way) ahead, astern, and of turning left and right, of a command until the watchdog ends it."""
+    on = stop.hold_over
+    return (forward, forward * on), (-forward, -forward * on), (turn, turn * on), (-turn, -turn * on)
 
 
 def _sweep(
@@ -395,7 +398,8 @@ def _sweep(
 
     def growing(turn: Phases, told: Scalar) -> Scalar:
         # It turns at a steady rate, once it has eased off to it; slower if told less; and never by more than all of it.
-        eased, told = turn.top - maximum(told, 0.0), maximum(told, 0.0)
+        told = maximum(told, 0.0)
+        eased = turn.top - told
         steady = 0.5 * told * stop.hold_over + eased * eased / (2.0 * stop.turn_acceleration)
         return minimum(steady, turn.held + turn.braking)
 
