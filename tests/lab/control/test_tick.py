@@ -432,7 +432,7 @@ def test_the_net_is_told_what_was_really_sent():
     for _ in range(200):
         said = flight.tick()
         for ways, ugv in zip(done, said.world.ugvs, strict=True):
-            ways.append((ugv.speed, -ugv.speed, abs(ugv.turn_rate)))
+            ways.append((ugv.speed, -ugv.speed, ugv.turn_rate, -ugv.turn_rate))
         net, command = flight.memory.supervision.net, said.decisions[0].verdict.command
         x, y = (
             flight.memory.supervision.watch
