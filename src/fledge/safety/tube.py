@@ -353,10 +353,20 @@ def ugv_tube(
     turn: Scalar,
 ) -> UgvTube:
     """The stop of a UGV that hears a command and goes on with it until its watchdog ends it; (0, 0) is to stop now."""
-    held = _gone_on_with(stop, forward, turn)
-    ahead, astern, left, right = _phases(contract, stop, ugv, sent, age, held)
-    ends = Turn(contract.angle_error + left.whole, contract.angle_error + right.whole)
-    return UgvTube(Heading.of(ugv.heading), ahead.whole, astern.whole, ends)
+    return _tube(contract, ugv, _phases(contract, stop, ugv, sent, age, gone_on_with(stop, forward, turn)))
+
+
+def ugv_commitment(contract: Contract, stop: UgvStop, ugv: UgvState, sent: UgvSent, age: Scalar) -> UgvSweep:
+    """The stop of a UGV of which nobody knows which of the commands it was sent was the last that it heard."""
+    delay = contract.age + contract.latency
+    held = tuple((one.most, one.way(delay, stop.hold_over)) for one in sent)
+    return ugv_sweep(contract, stop, ugv, sent, age, held)
+
+
+def gone_on_with(stop: UgvStop, forward: Scalar, turn: Scalar) -> tuple[tuple[Scalar, Scalar], ...]:
+    """(speed, way) ahead, astern, and of turning left and right, of a command until the watchdog ends it."""
+    on = stop.hold_over
+    return (forward, forward * on), (-forward, -forward * on), (turn, turn * on), (-turn, -turn * on)
 
 
 def ugv_sweep(
@@ -365,36 +375,11 @@ def ugv_sweep(
     ugv: UgvState,
     sent: UgvSent,
     age: Scalar,
-    forward: Scalar,
-    turn: Scalar,
-) -> UgvSweep:
-    """The same stop as of `ugv_tube`, by which the nose turns by and by."""
-    return _sweep(contract, stop, ugv, sent, age, _gone_on_with(stop, forward, turn))
-
-
-def ugv_commitment(contract: Contract, stop: UgvStop, ugv: UgvState, sent: UgvSent, age: Scalar) -> UgvSweep:
-    """The stop of a UGV of which nobody knows which of the commands it was sent was the last that it heard."""
-    delay = contract.age + contract.latency
-    held = tuple((one.most, one.way(delay, stop.hold_over)) for one in sent)
-    return _sweep(contract, stop, ugv, sent, age, held)
-
-
-def _gone_on_with(stop: UgvStop, forward: Scalar, turn: Scalar) -> tuple[tuple[Scalar, Scalar], ...]:
-    """(speed, way) ahead, astern, and of turning left and right, of a command until the watchdog ends it."""
-    on = stop.hold_over
-    return (forward, forward * on), (-forward, -forward * on), (turn, turn * on), (-turn, -turn * on)
-
-
-def _sweep(
-    contract: Contract,
-    stop: UgvStop,
-    ugv: UgvState,
-    sent: UgvSent,
-    age: Scalar,
     held: tuple[tuple[Scalar, Scalar], ...],
 ) -> UgvSweep:
-    """The stop after going on with a command; `held` as for `_phases`."""
-    ahead, astern, left, right = _phases(contract, stop, ugv, sent, age, held)
+    """The stop after going on with a command, as the nose turns by and by; `held` as of `gone_on_with`."""
+    phases = _phases(contract, stop, ugv, sent, age, held)
+    ahead, astern, left, right = phases
 
     def growing(turn: Phases, told: Scalar) -> Scalar:
         # It turns at a steady rate, once it has eased off to it; slower if told less; and never by more than all of it.
@@ -409,9 +394,13 @@ def _sweep(
     def mean(way: Phases) -> Turn:
         return Turn(error + way.turned(left, growing_left), error + way.turned(right, growing_right))
 
-    ends = Turn(error + left.whole, error + right.whole)
-    tube = UgvTube(Heading.of(ugv.heading), ahead.whole, astern.whole, ends)
-    return UgvSweep(tube, mean(ahead), mean(astern))
+    return UgvSweep(_tube(contract, ugv, phases), mean(ahead), mean(astern))
+
+
+def _tube(contract: Contract, ugv: UgvState, phases: tuple[Phases, Phases, Phases, Phases]) -> UgvTube:
+    ahead, astern, left, right = phases
+    ends = Turn(contract.angle_error + left.whole, contract.angle_error + right.whole)
+    return UgvTube(Heading.of(ugv.heading), ahead.whole, astern.whole, ends)
 
 
 def _phases(
@@ -422,7 +411,7 @@ def _phases(
     age: Scalar,
     held: tuple[tuple[Scalar, Scalar], ...],
 ) -> tuple[Phases, Phases, Phases, Phases]:
-    """Of going ahead and astern, and of turning left and right; `held` has (speed, way) of the command of each."""
+    """Of going ahead and astern, and of turning left and right; `held` as of `gone_on_with`."""
     reaction = age + contract.latency + contract.period
 
     def motion(

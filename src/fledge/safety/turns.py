@@ -11,7 +11,7 @@ holding that every decision can fall back on, and the verdict.
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from typing import NamedTuple, Protocol
 
 from fledge.geometry import Heading, Vec3
@@ -26,6 +26,7 @@ from fledge.safety.tube import (
     UgvSweep,
     UgvTube,
     filter_share,
+    gone_on_with,
     uav_error,
     uav_faces,
     uav_tube,
@@ -335,7 +336,8 @@ def _ugv(
     may_turn = stands | _clears(faces, turning[2], way(0.0, turn))
     turn, go, shares = cond(may_turn, lambda: turning, lambda: swept(0.0 * turn))
     way = partial(way, turn=turn)
-    sweep = partial(ugv_sweep, net.contract, stop, ugv, memory, age, forward, turn)
+    # Looked at but seldom, and then by many a face.
+    sweep = cache(partial(ugv_sweep, net.contract, stop, ugv, memory, age, gone_on_with(stop, forward, turn)))
     rooms = [face.room - go.along(share) for face, share in zip(faces, shares, strict=True)]
     tightest, gap = _tightest(faces, rooms)
     passes, chosen = net.decide_ugv(stop, UgvTurn(forward, turn, known, faces, shares, rooms, way, sweep))
