@@ -1,8 +1,8 @@
 """Every example runs, and shows what it says it shows."""
 
-import importlib.util
 from pathlib import Path
 
+import loaded
 import numpy as np
 import pytest
 
@@ -18,10 +18,7 @@ NAMES = sorted(path.stem for path in EXAMPLES.glob("*.py"))
 
 
 def load(name):
-    spec = importlib.util.spec_from_file_location(name, EXAMPLES / f"{name}.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return loaded.load(EXAMPLES / f"{name}.py")
 
 
 def test_every_example_is_run_here():

@@ -1,9 +1,9 @@
 """`make margins` in brief: who keeps too little of the margin is touched, by the families and by who searches."""
 
-import importlib.util
 from pathlib import Path
 
 import pytest
+from loaded import load
 
 from fledge.falsification.scenarios import Terms
 from fledge.safety import StopTube
@@ -16,10 +16,7 @@ SPEED = 0.5
 
 @pytest.fixture(scope="module")
 def margins():
-    spec = importlib.util.spec_from_file_location("margins", BENCHMARK)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return load(BENCHMARK)
 
 
 @pytest.fixture(scope="module")
