@@ -71,7 +71,7 @@ clean: ## remove .venv, caches and builds; reports stay
 	find src tests -name __pycache__ -prune -exec rm -rf {} +
 
 $(SYNCED): requirements.lock pyproject.toml | $(BIN)/uv
-	$(UV) pip sync --quiet --compile-bytecode --python $(BIN)/python --require-hashes requirements.lock
+	$(UV) pip sync --quiet --python $(BIN)/python --require-hashes requirements.lock
 	$(UV) pip install --quiet --python $(BIN)/python --no-deps --no-build-isolation --editable .
 	@touch $@
 

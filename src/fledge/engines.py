@@ -147,7 +147,9 @@ def _program(rig: Rig, roll: Rollout, alike: bool, shapes: tuple[Any, ...]) -> F
 
     def one(case: Case, crew: Crew, seed: jax.Array) -> Any:
         keys = jax.random.split(jax.random.wrap_key_data(seed), len(case.plan.track.x))
-        return roll((case, crew, rig), keys, lambda key: _deal(_draw(key)), COMPILED)
+        flown = roll((case, crew, rig), keys, lambda key: _deal(_draw(key)), COMPILED)
+        # Of one dtype, but not "weakly" here and there: else what is made of it is compiled anew for every crew.
+        return jax.tree.map(lambda leaf: leaf.astype(leaf.dtype), flown)
 
     program = compiled(jax.vmap(one, in_axes=(0, None if alike else 0, 0)))
     return _COMPILERS.submit(lambda: program.lower(*shapes).compile())

@@ -13,8 +13,10 @@ import numpy as np
 from fledge.errors import BadDemonstrations
 from fledge.learning.fusion import CompositeSet
 from fledge.learning.recipe import Recipe
+from fledge.pytrees import pytree
 
 
+@pytree
 @dataclass(frozen=True, slots=True)
 class Split:
     """The rows of a composite set as a network wants them, and which of them it learns from."""

@@ -5,10 +5,10 @@ where it was made. The order of the rows is a function of seed and epoch: nothin
 """
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import jax
@@ -83,7 +83,7 @@ def train(
     data = Split.of(composite, recipe.checked())
     state = resume or begin(composite, recipe, keys)
     seeds = jnp.stack([jax.random.key(key) for key in keys])
-    leg = jax.jit(jax.vmap(partial(_leg, data, recipe), in_axes=(0, 0, None)))
+    leg = _program(recipe)
     # A network and its optimiser fit into a core's cache; vmap over twenty on a CPU takes twice as long.
     size = 1 if jax.default_backend() == "cpu" else len(keys)
     groups = [slice(i, i + size) for i in range(0, len(keys), size)]
@@ -93,7 +93,7 @@ def train(
 
             def gone_on(group: slice, state: Checkpoint = state, epochs: np.ndarray = epochs) -> Any:
                 learners = jax.tree.map(lambda leaf: leaf[group], state.learners)
-                return jax.block_until_ready(leg(learners, seeds[group], epochs))
+                return jax.block_until_ready(leg(data, learners, seeds[group], epochs))
 
             parts = list(cores.map(gone_on, groups))
             learners, *losses = jax.tree.map(lambda *leaves: jnp.concatenate(leaves), *parts)
@@ -106,11 +106,9 @@ def train(
 def begin(composite: CompositeSet, recipe: Recipe, keys: Sequence[int]) -> Checkpoint:
     """Epoch 0."""
     sizes = (len(composite.inputs), *HIDDEN, composite.actions.shape[1])
-    seeds = jnp.stack([jax.random.key(key) for key in keys])
-    layers = jax.vmap(partial(_initial, sizes, recipe.init))(seeds)
     rows = len(hold_out(composite, recipe)[0])
-    optimiser = jax.vmap(_optimiser(recipe, rows).init)(layers)
-    learners = Learner(layers, optimiser, layers, jnp.full(len(keys), jnp.inf))
+    seeds = jnp.stack([jax.random.key(key) for key in keys])
+    learners = jax.jit(jax.vmap(partial(_untaught, sizes, recipe, rows)))(seeds)
     empty = np.empty((len(keys), 0, len(composite.names) + 1))
     return Checkpoint(0, learners, LossCurve(np.empty(0, dtype=int), empty, empty, composite.names))
 
@@ -175,12 +173,17 @@ def member_curve(many: LossCurve, i: int) -> LossCurve:
     return replace(many, training=many.training[i], validation=many.validation[i])
 
 
+def _untaught(sizes: tuple[int, ...], recipe: Recipe, rows: int, key: jax.Array) -> Learner:
+    layers = _initial(sizes, recipe.init, key)
+    return Learner(layers, _optimiser(recipe, rows).init(layers), layers, jnp.float32(jnp.inf))
+
+
 def _initial(sizes: tuple[int, ...], init: str, key: jax.Array) -> Layers:
     weights = []
-    for i, (rows, columns) in enumerate(zip(sizes[:-1], sizes[1:], strict=True)):
-        normal = jax.random.normal(jax.random.fold_in(key, i), (rows, columns))
-        scale = {"paper": 1e-4, "he": (2.0 / rows) ** 0.5, "constant": 1e-4}[init]
-        weights.append(jnp.full((rows, columns), scale) if init == "constant" else scale * normal)
+    for i, shape in enumerate(zip(sizes[:-1], sizes[1:], strict=True)):
+        scale = {"paper": 1e-4, "he": (2.0 / shape[0]) ** 0.5, "constant": 1e-4}[init]
+        normal = jax.random.normal(jax.random.fold_in(key, i), shape)
+        weights.append(scale * (jnp.ones(shape) if init == "constant" else normal))
     return tuple(weights), tuple(jnp.zeros(columns) for columns in sizes[1:])
 
 
@@ -230,8 +233,14 @@ def _losses(data: Split, layers: Layers) -> tuple[Any, Any]:
     return mean(data.train), mean(data.held_out)
 
 
+@cache
+def _program(recipe: Recipe) -> Callable[..., tuple[Learner, Any, Any]]:
+    """`_leg` of many seeds, compiled; one program for all data of the same shape."""
+    return jax.jit(jax.vmap(partial(_leg, recipe), in_axes=(None, 0, 0, None)))
+
+
 def _leg(
-    data: Split, recipe: Recipe, learner: Learner, key: jax.Array, epochs: Any
+    recipe: Recipe, data: Split, learner: Learner, key: jax.Array, epochs: Any
 ) -> tuple[Learner, Any, Any]:
     """Some epochs of one seed, and (training, validation) losses after them."""
     layers, optimiser = _epochs(data, recipe, learner, key, epochs)
