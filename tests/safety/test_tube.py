@@ -18,17 +18,14 @@ from fledge.safety.tube import (
     Sent,
     Turn,
     UavTube,
+    UgvMotion,
     UgvSent,
     UgvSweep,
     UgvTube,
-    gone_on_with,
     side_of_box,
     uav_faces,
     uav_tube,
-    ugv_commitment,
     ugv_faces,
-    ugv_sweep,
-    ugv_tube,
     within,
 )
 from fledge.world import Obstacle, Reason, UgvState, VelocityCommand
@@ -112,8 +109,8 @@ def test_who_was_told_to_stop_may_not_have_heard_it():
     """Nothing but the clock ends what a UGV goes on with."""
     ugv = UgvState(0.0, 0.0, 0.0, 0.4, 0.0, 0.0)
     told = [ordered(*[0.4] * 80, *[0.0] * n) for n in (0, 1, 30)]
-    go, *stops = (ugv_commitment(C, UGV, ugv, one, C.age).tube for one in told)
-    assert go.ahead == pytest.approx(ugv_tube(C, UGV, ugv, told[0], C.age, 0.4, 0.0).ahead)
+    go, *stops = (UgvMotion.of(C, UGV, ugv, one, C.age).committed().tube for one in told)
+    assert go.ahead == pytest.approx(UgvMotion.of(C, UGV, ugv, told[0], C.age).told(0.4, 0.0).ahead)
     assert [go.ahead - stop.ahead for stop in stops] == pytest.approx([0.4 * 0.01, 0.4 * 0.3])
 
 
@@ -124,7 +121,7 @@ def test_so_it_is_with_a_turn(way):
     turned = ordered(*[0.0] * 80, turn=way * rate).then(C, UGV, 0.0, 0.0, C.period)
     still = ordered(*[0.0] * 80)
     (to, fro), (to_still, fro_still) = (
-        ugv_commitment(C, UGV, ugv, one, 0.0).tube.turn[:: int(way)] for one in (turned, still)
+        UgvMotion.of(C, UGV, ugv, one, 0.0).committed().tube.turn[:: int(way)] for one in (turned, still)
     )
     reacting = UGV.turn_acceleration * (C.latency + C.period)
     chasing = min(rate, rate + C.rate_error + reacting) - (rate + C.rate_error)
@@ -171,7 +168,7 @@ def test_a_uav_under_way_goes_on_by_its_speed_and_by_what_is_pending():
 
 def test_a_ugv_that_stands_is_told_apart_from_one_that_goes_on():
     ugv = UgvState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    stop, go = (ugv_tube(C, UGV, ugv, NO_ORDERS, 0.0, v, 0.0) for v in (0.0, 0.4))
+    stop, go = (UgvMotion.of(C, UGV, ugv, NO_ORDERS, 0.0).told(v, 0.0) for v in (0.0, 0.4))
     braking = UGV.acceleration - C.disturbance
     assert go.ahead - stop.ahead == pytest.approx(
         0.4 * UGV.hold_over + (0.4**2 - 0.1**2) / (2 * braking), abs=1e-6
@@ -202,7 +199,7 @@ def test_a_pace_fades_and_is_raised_at_once():
 def test_the_way_of_a_ugv_is_reaction_and_braking_by_the_contract(way):
     """Seen 40 ms ago at 0.5 m/s, forwards or in reverse, and told to stop."""
     ugv, age = UgvState(0.0, 0.0, 0.0, way * 0.5, 0.0, 0.0), 0.04
-    tube = ugv_tube(C, UGV, ugv, ordered(*[way * 0.5] * 20), age, 0.0, 0.0)
+    tube = UgvMotion.of(C, UGV, ugv, ordered(*[way * 0.5] * 20), age).told(0.0, 0.0)
     v = 0.5 + C.velocity_error
     reaction = v * (age + C.latency + C.period)
     ahead, astern = (tube.ahead, tube.astern)[:: int(way)]
@@ -210,11 +207,18 @@ def test_the_way_of_a_ugv_is_reaction_and_braking_by_the_contract(way):
     assert astern == 0.0
 
 
+@pytest.mark.parametrize("seen", (-2.0, -0.5, 0.0, 0.5, 2.0))
+def test_whatever_it_is_told_a_ugv_stays_within_its_reach(seen):
+    motion = UgvMotion.of(C, UGV, UgvState(0.0, 0.0, 0.0, seen, 0.0, 0.0), ordered(0.3), 0.04)
+    tubes = [motion.told(forward, 0.0) for forward in (-UGV.most, -0.1, 0.0, 0.1, UGV.most)]
+    assert max(max(tube.ahead, tube.astern) for tube in tubes) == pytest.approx(motion.reach())
+
+
 @pytest.mark.parametrize("way", (1.0, -1.0))
 def test_a_ugv_may_still_chase_what_it_was_told_before(way):
     ugv = UgvState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    chasing = ugv_tube(C, UGV, ugv, ordered(way * 0.6, 0.0), 0.0, 0.0, 0.0)
-    resting = ugv_tube(C, UGV, ugv, NO_ORDERS, 0.0, 0.0, 0.0)
+    chasing = UgvMotion.of(C, UGV, ugv, ordered(way * 0.6, 0.0), 0.0).told(0.0, 0.0)
+    resting = UgvMotion.of(C, UGV, ugv, NO_ORDERS, 0.0).told(0.0, 0.0)
     gained = C.velocity_error + UGV.acceleration * (C.latency + C.period)
     further = [(one.ahead, one.astern)[way < 0.0] for one in (chasing, resting)]
     braking = 2.0 * (UGV.acceleration - C.disturbance)
@@ -226,7 +230,7 @@ def test_a_ugv_may_still_chase_what_it_was_told_before(way):
 def test_a_nose_swings_as_long_as_its_turning_takes_to_die_down(way):
     """Seen turning at 0.5 rad/s, told to turn on at 0.4."""
     ugv, reaction = UgvState(0.0, 0.0, 0.0, 0.0, way * 0.5, 0.0), C.latency + C.period
-    to, fro = ugv_tube(C, UGV, ugv, NO_ORDERS, 0.0, 0.0, way * 0.4).turn[:: int(way)]
+    to, fro = UgvMotion.of(C, UGV, ugv, NO_ORDERS, 0.0).told(0.0, way * 0.4).turn[:: int(way)]
     turning = 0.5 + C.rate_error
     swing = turning * (reaction + turning / (2.0 * UGV.turn_acceleration)) + 0.4 * UGV.hold_over
     assert to == pytest.approx(C.angle_error + swing)
@@ -238,13 +242,15 @@ def test_a_nose_may_still_chase_a_turn_it_was_told_before():
     told = NO_ORDERS.then(C, UGV, 0.0, 1.5, C.period).then(C, UGV, 0.0, 0.0, C.period)
     turning = C.rate_error + UGV.turn_acceleration * reaction
     swing = turning * (reaction + turning / (2.0 * UGV.turn_acceleration))
-    assert ugv_tube(C, UGV, ugv, told, 0.0, 0.0, 0.0).turn.left == pytest.approx(C.angle_error + swing)
+    assert UgvMotion.of(C, UGV, ugv, told, 0.0).told(0.0, 0.0).turn.left == pytest.approx(
+        C.angle_error + swing
+    )
 
 
 def test_another_ugv_is_as_near_as_its_own_stop_may_bring_it():
     me, other = UgvState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), UgvState(3.0, 0.0, pi, 0.3, 0.0, 0.0)
     uav = (UAV, world().uav, uav_tube(C, UAV, world().uav, (NOTHING,) * 3, STANDING, 0.0))
-    towards = ugv_commitment(C, UGV, other, NO_ORDERS, 0.0)
+    towards = UgvMotion.of(C, UGV, other, NO_ORDERS, 0.0).committed()
     *_, face, _ = ugv_faces(C, UGV, HALL, me, ((UGV, other, towards),), uav)
     assert face.gap == pytest.approx(3.0 - 2.0 * UGV.radius)
     assert face.room == pytest.approx(face.gap - 2.0 * C.position_error - towards.tube.ahead)
@@ -334,12 +340,11 @@ def test_however_it_is_driven_a_ugv_goes_no_farther_than_its_tube(
     orders = NO_ORDERS
     for _ in range(20):
         orders = orders.then(contract, stop, *before, contract.period)
-    tube = ugv_tube(contract, stop, state, orders, 0.0, *told)
-    commitment = ugv_commitment(
-        contract, stop, state, orders.then(contract, stop, *told, contract.period), 0.0
-    )
+    motion = UgvMotion.of(contract, stop, state, orders, 0.0)
+    then = orders.then(contract, stop, *told, contract.period)
+    commitment = UgvMotion.of(contract, stop, state, then, 0.0).committed()
     ways = [(cos(pi * k / 12), sin(pi * k / 12)) for k in range(24)]
-    sweep = ugv_sweep(contract, stop, state, orders, 0.0, gone_on_with(stop, *told))
+    tube, sweep = motion.told(*told), motion.sweep(*told)
     assert sweep.tube == tube
     farthest = [min(sweep.advance(x, y), commitment.advance(x, y)) for x, y in ways]
     for i in range(300):

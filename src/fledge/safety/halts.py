@@ -2,7 +2,7 @@
 
 from fledge.safety.base import Halt
 from fledge.safety.contract import UgvStop
-from fledge.safety.tube import UgvSent, uav_tube, ugv_tube
+from fledge.safety.tube import UgvMotion, UgvSent, uav_tube
 from fledge.safety.turns import Deciding, Memory
 from fledge.scalars import Scalar, maximum, where
 from fledge.world import UgvState, WorldState
@@ -20,7 +20,7 @@ def halts(net: Deciding, memory: Memory, world: WorldState) -> tuple[Halt, ...]:
 def _ugv(net: Deciding, stop: UgvStop, ugv: UgvState, sent: UgvSent, t: Scalar) -> Halt:
     """In the middle between the shortest and the longest way to rest."""
     c, v = net.contract, ugv.speed
-    tube = ugv_tube(c, stop, ugv, sent, t - ugv.stamp, 0.0, 0.0)
+    tube = UgvMotion.of(c, stop, ugv, sent, t - ugv.stamp).told(0.0, 0.0)
     surely = maximum(abs(v) - c.velocity_error, 0.0)
     least = surely * surely / (2.0 * (stop.acceleration + c.disturbance))
     ahead, astern = tube.ahead, tube.astern

@@ -12,7 +12,7 @@ commands, NaN included, nothing is touched as long as the `Contract` holds.
 out, and if none does, the UAV's hold point itself moves out. A way in which every stop fits is never closed.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -22,7 +22,7 @@ from fledge.safety.base import AbstractNet, Halt
 from fledge.safety.contract import Contract, UavStop, UgvStop
 from fledge.safety.halts import halts
 from fledge.safety.tube import Face, UgvSweep
-from fledge.safety.turns import Memory, UavTurn, UgvTurn, begin, in_turn, sent_instead
+from fledge.safety.turns import Memory, UavTurn, UgvTurn, begin, clear, in_turn, sent_instead
 from fledge.scalars import Scalar, cond, maximum, minimum
 from fledge.world import Arena, Commands, Verdict, WorldState
 
@@ -62,14 +62,19 @@ class StopTube(AbstractNet):
 
     def decide_ugv(self, stop: UgvStop, turn: UgvTurn) -> tuple[Scalar, Scalar]:
         """The command as it is, if it leaves room before every face, or leads no nearer where there is none."""
-        passes = turn.known
-        for face, (forwards, backwards), left in zip(turn.faces, turn.shares, turn.rooms, strict=True):
-            room = self._kept(face, left)
+        rooms = [self._kept(face, left) for face, left in zip(turn.faces, turn.rooms, strict=True)]
+        passes = turn.known & cond(clear(rooms), lambda: True, partial(self._may_go, turn, rooms))
+        return passes, turn.forward
+
+    def _may_go(self, turn: UgvTurn, rooms: Sequence[Scalar]) -> Scalar:
+        """Whether the proposal leads no nearer to the faces without room, or leaves some as the UGV turns by and by."""
+        passes = True
+        for face, (forwards, backwards), room in zip(turn.faces, turn.shares, rooms, strict=True):
             nearer = maximum(turn.forward * forwards, -turn.forward * backwards)
             passes = passes & cond(
                 (room >= 0.0) | (nearer <= 0.0), lambda: True, partial(self._clears, face, turn.sweep)
             )
-        return passes, turn.forward
+        return passes
 
     def _clears(self, face: Face, sweep: Callable[[], UgvSweep]) -> Scalar:
         return self._kept(face, face.room - sweep().advance(-face.x, -face.y)) >= 0.0

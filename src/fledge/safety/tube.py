@@ -34,6 +34,10 @@ class Face(NamedTuple):
     """What remains of it after a stop that begins now [m]."""
     reason: Reason
 
+    def closer(self, by: Scalar) -> "Face":
+        """With so much less room [m]."""
+        return Face(self.x, self.y, self.z, self.gap, self.room - by, self.reason)
+
 
 class UavTube(NamedTuple):
     """Where the UAV comes to rest if it is told to hover now, from where it was measured."""
@@ -343,95 +347,118 @@ def uav_miss(stop: UavStop, uav: UavState, pace: Pace) -> Scalar:
     return stop.miss(moving.speed, moving.turn)
 
 
-def ugv_tube(
-    contract: Contract,
-    stop: UgvStop,
-    ugv: UgvState,
-    sent: UgvSent,
-    age: Scalar,
-    forward: Scalar,
-    turn: Scalar,
-) -> UgvTube:
-    """The stop of a UGV that hears a command and goes on with it until its watchdog ends it; (0, 0) is to stop now."""
-    return _tube(contract, ugv, _phases(contract, stop, ugv, sent, age, gone_on_with(stop, forward, turn)))
+class UgvMotion(NamedTuple):
+    """A UGV as a command finds it that is sent now: where it is, and how fast it may be by then."""
 
+    stop: UgvStop
+    ugv: UgvState
+    sent: UgvSent
+    error: float
+    """Of its heading [rad]."""
+    brake: float
+    """How it slows down at least [m/s^2]."""
+    delay: float
+    """After which it surely hears what it is sent [s]."""
+    reaction: Scalar
+    """The time since it was seen included [s]."""
+    ahead: Scalar
+    """[m/s]."""
+    astern: Scalar
+    """[m/s]."""
+    left: Scalar
+    """[rad/s]."""
+    right: Scalar
 
-def ugv_commitment(contract: Contract, stop: UgvStop, ugv: UgvState, sent: UgvSent, age: Scalar) -> UgvSweep:
-    """The stop of a UGV of which nobody knows which of the commands it was sent was the last that it heard."""
-    delay = contract.age + contract.latency
-    held = tuple((one.most, one.way(delay, stop.hold_over)) for one in sent)
-    return ugv_sweep(contract, stop, ugv, sent, age, held)
+    @classmethod
+    def of(cls, contract: Contract, stop: UgvStop, ugv: UgvState, sent: UgvSent, age: Scalar) -> "UgvMotion":
+        """Of one that was seen `age` [s] ago, and was sent something before."""
+        reaction = age + contract.latency + contract.period
 
+        def fastest(seen: Scalar, error: float, gain: float, sent: Held) -> Scalar:
+            speed = seen + error
+            # Before a command bites the speed may still chase an earlier one.
+            return maximum(maximum(speed, minimum(sent.most, speed + gain * reaction)), 0.0)
 
-def gone_on_with(stop: UgvStop, forward: Scalar, turn: Scalar) -> tuple[tuple[Scalar, Scalar], ...]:
-    """(speed, way) ahead, astern, and of turning left and right, of a command until the watchdog ends it."""
-    on = stop.hold_over
-    return (forward, forward * on), (-forward, -forward * on), (turn, turn * on), (-turn, -turn * on)
+        drive, steering = (
+            (contract.velocity_error, stop.acceleration),
+            (contract.rate_error, stop.turn_acceleration),
+        )
+        return cls(
+            stop,
+            ugv,
+            sent,
+            error=contract.angle_error,
+            brake=stop.acceleration - contract.disturbance,
+            delay=contract.age + contract.latency,
+            reaction=reaction,
+            ahead=fastest(ugv.speed, *drive, sent.ahead),
+            astern=fastest(-ugv.speed, *drive, sent.astern),
+            left=fastest(ugv.turn_rate, *steering, sent.left),
+            right=fastest(-ugv.turn_rate, *steering, sent.right),
+        )
 
+    def reach(self) -> Scalar:
+        """How far it may go at most, whatever it is told [m]."""
+        speed, most = maximum(self.ahead, self.astern), self.stop.most
+        top = maximum(speed, most)
+        return speed * self.reaction + most * self.stop.hold_over + top * top / (2.0 * self.brake)
 
-def ugv_sweep(
-    contract: Contract,
-    stop: UgvStop,
-    ugv: UgvState,
-    sent: UgvSent,
-    age: Scalar,
-    held: tuple[tuple[Scalar, Scalar], ...],
-) -> UgvSweep:
-    """The stop after going on with a command, as the nose turns by and by; `held` as of `gone_on_with`."""
-    phases = _phases(contract, stop, ugv, sent, age, held)
-    ahead, astern, left, right = phases
+    def told(self, forward: Scalar, turn: Scalar) -> UgvTube:
+        """Its stop if it hears a command and goes on with it until its watchdog ends it; (0, 0) is to stop now."""
+        return self._tube(self._phases(self._gone_on_with(forward, turn)))
 
-    def growing(turn: Phases, told: Scalar) -> Scalar:
-        # It turns at a steady rate, once it has eased off to it; slower if told less; and never by more than all of it.
-        told = maximum(told, 0.0)
-        eased = turn.top - told
-        steady = 0.5 * told * stop.hold_over + eased * eased / (2.0 * stop.turn_acceleration)
-        return minimum(steady, turn.held + turn.braking)
+    def sweep(self, forward: Scalar, turn: Scalar) -> UgvSweep:
+        """The same, as its nose turns by and by."""
+        return self._sweep(self._gone_on_with(forward, turn))
 
-    growing_left, growing_right = growing(left, held[2][0]), growing(right, held[3][0])
-    error = contract.angle_error
+    def committed(self) -> UgvSweep:
+        """Its stop, if nobody knows which of the commands it was sent was the last that it heard."""
+        return self._sweep(tuple((one.most, one.way(self.delay, self.stop.hold_over)) for one in self.sent))
 
-    def mean(way: Phases) -> Turn:
-        return Turn(error + way.turned(left, growing_left), error + way.turned(right, growing_right))
+    def _gone_on_with(self, forward: Scalar, turn: Scalar) -> tuple[tuple[Scalar, Scalar], ...]:
+        """(speed, way) ahead, astern, and of turning left and right, of a command until the watchdog ends it."""
+        on = self.stop.hold_over
+        return (forward, forward * on), (-forward, -forward * on), (turn, turn * on), (-turn, -turn * on)
 
-    return UgvSweep(_tube(contract, ugv, phases), mean(ahead), mean(astern))
+    def _phases(self, held: tuple[tuple[Scalar, Scalar], ...]) -> tuple[Phases, Phases, Phases, Phases]:
+        """Of going ahead and astern, and of turning left and right; `held` as of `_gone_on_with`."""
 
+        def motion(speed: Scalar, brake: float, held: tuple[Scalar, Scalar]) -> Phases:
+            told, way = held
+            top = maximum(speed, told)
+            return Phases(top, speed * self.reaction, maximum(way, 0.0), top * top / (2.0 * brake))
 
-def _tube(contract: Contract, ugv: UgvState, phases: tuple[Phases, Phases, Phases, Phases]) -> UgvTube:
-    ahead, astern, left, right = phases
-    ends = Turn(contract.angle_error + left.whole, contract.angle_error + right.whole)
-    return UgvTube(Heading.of(ugv.heading), ahead.whole, astern.whole, ends)
+        return (
+            motion(self.ahead, self.brake, held[0]),
+            motion(self.astern, self.brake, held[1]),
+            motion(self.left, self.stop.turn_acceleration, held[2]),
+            motion(self.right, self.stop.turn_acceleration, held[3]),
+        )
 
+    def _tube(self, phases: tuple[Phases, Phases, Phases, Phases]) -> UgvTube:
+        ahead, astern, left, right = phases
+        ends = Turn(self.error + left.whole, self.error + right.whole)
+        return UgvTube(Heading.of(self.ugv.heading), ahead.whole, astern.whole, ends)
 
-def _phases(
-    contract: Contract,
-    stop: UgvStop,
-    ugv: UgvState,
-    sent: UgvSent,
-    age: Scalar,
-    held: tuple[tuple[Scalar, Scalar], ...],
-) -> tuple[Phases, Phases, Phases, Phases]:
-    """Of going ahead and astern, and of turning left and right; `held` as of `gone_on_with`."""
-    reaction = age + contract.latency + contract.period
+    def _sweep(self, held: tuple[tuple[Scalar, Scalar], ...]) -> UgvSweep:
+        phases = self._phases(held)
+        ahead, astern, left, right = phases
 
-    def motion(
-        seen: Scalar, error: float, gain: float, brake: float, sent: Held, held: tuple[Scalar, Scalar]
-    ) -> Phases:
-        told, way = held
-        speed = seen + error
-        # Before a command bites the speed may still chase an earlier one.
-        speed = maximum(maximum(speed, minimum(sent.most, speed + gain * reaction)), 0.0)
-        top = maximum(speed, told)
-        return Phases(top, speed * reaction, maximum(way, 0.0), top * top / (2.0 * brake))
+        def growing(turn: Phases, told: Scalar) -> Scalar:
+            # It turns at a steady rate, once it has eased off to it; slower if told less; never by more than all of it.
+            told = maximum(told, 0.0)
+            eased = turn.top - told
+            steady = 0.5 * told * self.stop.hold_over + eased * eased / (2.0 * self.stop.turn_acceleration)
+            return minimum(steady, turn.held + turn.braking)
 
-    drive = contract.velocity_error, stop.acceleration, stop.acceleration - contract.disturbance
-    steering = contract.rate_error, stop.turn_acceleration, stop.turn_acceleration
-    return (
-        motion(ugv.speed, *drive, sent.ahead, held[0]),
-        motion(-ugv.speed, *drive, sent.astern, held[1]),
-        motion(ugv.turn_rate, *steering, sent.left, held[2]),
-        motion(-ugv.turn_rate, *steering, sent.right, held[3]),
-    )
+        growing_left, growing_right = growing(left, held[2][0]), growing(right, held[3][0])
+
+        def mean(way: Phases) -> Turn:
+            return Turn(
+                self.error + way.turned(left, growing_left), self.error + way.turned(right, growing_right)
+            )
+
+        return UgvSweep(self._tube(phases), mean(ahead), mean(astern))
 
 
 def wall_faces(arena: Arena, x: Scalar, y: Scalar, radius: float) -> tuple[tuple[float, float, Scalar], ...]:
@@ -498,15 +525,9 @@ def _side_or_top(
     nx: Scalar, ny: Scalar, gap: Scalar, room: Scalar, above: Scalar, room_above: Scalar, reason: Reason
 ) -> Face:
     """Beside or above is enough: the roomier of the two."""
-    over = room_above > room
-    return Face(
-        where(over, 0.0 * nx, nx),
-        where(over, 0.0 * ny, ny),
-        where(over, 1.0 + 0.0 * nx, 0.0 * nx),
-        maximum(gap, above),
-        maximum(room, room_above),
-        reason,
-    )
+    zero = 0.0 * nx
+    x, y, z = where(room_above > room, (zero, zero, 1.0 + zero), (nx, ny, zero))
+    return Face(x, y, z, maximum(gap, above), maximum(room, room_above), reason)
 
 
 def ugv_faces(

@@ -9,9 +9,9 @@ A net says what is sent to one vehicle, given its faces (`Deciding`); here is th
 holding that every decision can fall back on, and the verdict.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import cache, partial
+from functools import cache, partial, reduce
 from typing import NamedTuple, Protocol
 
 from fledge.geometry import Heading, Vec3
@@ -22,21 +22,18 @@ from fledge.safety.tube import (
     Pace,
     Sent,
     UavTube,
+    UgvMotion,
     UgvSent,
     UgvSweep,
     UgvTube,
     filter_share,
-    gone_on_with,
     uav_error,
     uav_faces,
     uav_tube,
-    ugv_commitment,
     ugv_faces,
-    ugv_sweep,
-    ugv_tube,
 )
 from fledge.scalars import Scalar, clip, cond, isfinite, maximum, minimum, negate, where
-from fledge.world import Arena, Commands, Reason, UavState, UgvState, VelocityCommand, Verdict, WorldState
+from fledge.world import Arena, Commands, Reason, UavState, VelocityCommand, Verdict, WorldState
 
 SLOW = 0.3
 """[m/s] at which a braking UAV begins to hold; above the drift that the contract allows."""
@@ -99,7 +96,7 @@ class UgvTurn(NamedTuple):
     """Their room does not count the UGV's own way yet."""
     shares: tuple[tuple[Scalar, Scalar], ...]
     """Which share of its way forwards, and in reverse, leads to each face."""
-    rooms: list[Scalar]
+    rooms: tuple[Scalar, ...]
     """What the proposal leaves before each face [m]."""
     way: Callable[[Scalar], UgvTube]
     """Its way if it is told this speed [m/s], turning as proposed."""
@@ -149,10 +146,11 @@ def in_turn(
     """(memory, verdicts), the UAV's first."""
     age = world.t - world.uav.stamp
     tube = uav_tube(net.contract, net.uav, world.uav, memory.uav.sent, memory.uav.pace, age)
-    commitments = [
-        ugv_commitment(net.contract, stop, ugv, sent, world.t - ugv.stamp)
+    motions = [
+        UgvMotion.of(net.contract, stop, ugv, sent, world.t - ugv.stamp)
         for stop, ugv, sent in zip(net.ugvs, world.ugvs, memory.ugvs, strict=True)
     ]
+    commitments = [motion.committed() for motion in motions]
     around = tuple(zip(net.ugvs, world.ugvs, commitments, strict=True))
     faces = uav_faces(net.contract, net.uav, memory.arena, world.uav, tube, around)
     uav, tube, verdict = _uav(net, memory.uav, world, commands.uav, tube, faces)
@@ -163,9 +161,10 @@ def in_turn(
     for i, (stop, ugv) in enumerate(zip(net.ugvs, world.ugvs, strict=True)):
         others = [(net.ugvs[j], world.ugvs[j], commitments[j]) for j in range(len(net.ugvs)) if j != i]
         faces = ugv_faces(net.contract, stop, memory.arena, ugv, tuple(others), (net.uav, world.uav, tube))
-        one, verdict = _ugv(net, stop, memory.ugvs[i], ugv, world.t, commands.ugvs[i], faces)
+        one, verdict = _ugv(net, motions[i], world.t, commands.ugvs[i], faces)
         if i + 1 < len(net.ugvs):  # who comes last is minded by nobody
-            commitments[i] = ugv_commitment(net.contract, stop, ugv, one, world.t - ugv.stamp)
+            motion = UgvMotion.of(net.contract, stop, ugv, one, world.t - ugv.stamp)
+            commitments[i] = motion.committed()
         remembered.append(one)
         verdicts.append(verdict)
     return Memory(memory.arena, uav, tuple(remembered)), tuple(verdicts)
@@ -190,6 +189,14 @@ def sent_instead(net: Deciding, memory: Memory, world: WorldState, instead: Comm
         for stop, sent, c in zip(net.ugvs, memory.ugvs, instead.ugvs, strict=True)
     )
     return Memory(memory.arena, uav, ugvs)
+
+
+def clear(rooms: Sequence[Scalar]) -> Scalar:
+    """Whether there is room before every face."""
+    clear = True
+    for room in rooms:
+        clear = clear & (room >= 0.0)
+    return clear
 
 
 def _fresh(contract: Contract, age: Scalar) -> Scalar:
@@ -220,8 +227,9 @@ def _uav(
     passes, chosen = net.decide_uav(
         UavTurn(wanted, known, _after(net, world.uav, quicker, tube, faces), heading)
     )
-    memory, held = _hold(net.contract, memory, world.uav, age, tube, tightest, passes)
-    held = where(age <= 2.0 * net.contract.age, held, _adrift(faces, age))
+    memory, back = _hold(net.contract, memory, world.uav, age, tube, tightest, passes)
+    seen = age <= 2.0 * net.contract.age
+    held = cond(seen, lambda: back, lambda: _adrift(faces, age))
     same = passes & (chosen.x == wanted.x) & (chosen.y == wanted.y) & (chosen.z == wanted.z)
     zero = 0.0 * memory.holding
     sent = _within(stop, where(passes, chosen, held), heading)
@@ -247,7 +255,7 @@ def _uav(
 def _after(net: Deciding, uav: UavState, pace: Pace, tube: UavTube, faces: list[Face]) -> list[Face]:
     """The faces, with the room that is left if the UAV goes at a pace: the stop after that misses by more."""
     more = maximum(uav_error(net.contract, net.uav, uav, pace) - tube.error, 0.0)
-    return [face._replace(room=face.room - more * (1.0 - face.z * face.z)) for face in faces]
+    return [face.closer(more * (1.0 - face.z * face.z)) for face in faces]
 
 
 def _whole(uav: UavState) -> Scalar:
@@ -310,38 +318,41 @@ def _adrift(faces: list[Face], age: Scalar) -> Vec3:
 
 
 def _ugv(
-    net: Deciding,
-    stop: UgvStop,
-    memory: UgvSent,
-    ugv: UgvState,
-    t: Scalar,
-    proposed: VelocityCommand,
-    faces: list[Face],
+    net: Deciding, motion: UgvMotion, t: Scalar, proposed: VelocityCommand, faces: list[Face]
 ) -> tuple[UgvSent, Verdict]:
+    stop, ugv, memory = motion.stop, motion.ugv, motion.sent
     age = t - ugv.stamp
     forward = clip(proposed.forward, -stop.most, stop.most)
     turn = clip(proposed.turn, -stop.most_turn, stop.most_turn)
     number, fresh = isfinite(forward + turn), _fresh(net.contract, age)
     known = number & fresh & isfinite(ugv.x + ugv.y + ugv.heading + ugv.speed + ugv.turn_rate)
-    way = partial(ugv_tube, net.contract, stop, ugv, memory, age)
+    zero = 0.0 * memory.left.most
+    reach = motion.reach()
 
-    def swept(turn: Scalar) -> tuple[Scalar, UgvTube, tuple[tuple[Scalar, Scalar], ...]]:
-        go = way(forward, turn)
-        return turn, go, tuple(go.shares(-face.x, -face.y) for face in faces)
+    def swept(turn: Scalar) -> tuple[Scalar, tuple[tuple[Scalar, Scalar], ...], tuple[Scalar, ...]]:
+        go = motion.told(forward, turn)
+        shares = tuple(
+            # No way that it may be told to go leads so far.
+            cond(face.room > reach, lambda: (zero, zero), partial(go.shares, -face.x, -face.y))
+            for face in faces
+        )
+        return turn, shares, _rooms(faces, shares, go)
 
     turning = swept(turn)
     # Its hull is a disc: as long as it stands it may turn. One that moves may swing its way into something; it turns as
-    # far whether it stops or goes.
+    # far whether it stops or goes, and goes no farther if it stops.
     stands = number & (abs(ugv.speed) <= STANDS)
-    may_turn = stands | _clears(faces, turning[2], way(0.0, turn))
-    turn, go, shares = cond(may_turn, lambda: turning, lambda: swept(0.0 * turn))
-    way = partial(way, turn=turn)
+    may_turn = cond(
+        stands | clear(turning[2]),
+        lambda: True,
+        lambda: clear(_rooms(faces, turning[1], motion.told(0.0, turn))),
+    )
+    turn, shares, rooms = cond(may_turn, lambda: turning, lambda: swept(0.0 * turn))
+    way = partial(motion.told, turn=turn)
     # Looked at but seldom, and then by many a face.
-    sweep = cache(partial(ugv_sweep, net.contract, stop, ugv, memory, age, gone_on_with(stop, forward, turn)))
-    rooms = [face.room - go.along(share) for face, share in zip(faces, shares, strict=True)]
+    sweep = cache(partial(motion.sweep, forward, turn))
     tightest, gap = _tightest(faces, rooms)
     passes, chosen = net.decide_ugv(stop, UgvTurn(forward, turn, known, faces, shares, rooms, way, sweep))
-    zero = 0.0 * memory.left.most
     passes = passes & isfinite(chosen)
     speed = where(passes, chosen, zero)
     turned = where(passes | stands, turn, zero)
@@ -352,22 +363,17 @@ def _ugv(
     return memory.then(net.contract, stop, speed, turned, net.contract.period), verdict
 
 
-def _clears(faces: list[Face], shares: tuple[tuple[Scalar, Scalar], ...], halt: UgvTube) -> Scalar:
-    """Whether a stop leaves room before every face."""
-    clears = True
-    for face, share in zip(faces, shares, strict=True):
-        clears = clears & (face.room - halt.along(share) >= 0.0)
-    return clears
+def _rooms(faces: list[Face], shares: tuple[tuple[Scalar, Scalar], ...], tube: UgvTube) -> tuple[Scalar, ...]:
+    """What a UGV's way leaves before each face [m]."""
+    return tuple(face.room - tube.along(share) for face, share in zip(faces, shares, strict=True))
 
 
-def _tightest(faces: list[Face], rooms: list[Scalar]) -> tuple[Face, Scalar]:
+def _tightest(faces: list[Face], rooms: Sequence[Scalar]) -> tuple[Face, Scalar]:
     """(the face with least room, NaN being least; the smallest gap)."""
-    tightest, least, gap = faces[0], rooms[0], faces[0].gap
-    for face, room in zip(faces[1:], rooms[1:], strict=True):
-        still = least <= room
-        tightest, least = where(still, tightest, face), where(still, least, room)
-        gap = minimum(gap, face.gap)
-    return tightest, gap
+    least = rooms[0], faces[0]
+    for room, face in zip(rooms[1:], faces[1:], strict=True):
+        least = where(least[0] <= room, least, (room, face))
+    return least[1], reduce(minimum, (face.gap for face in faces))
 
 
 def _verdict(proposed: VelocityCommand, sent: VelocityCommand, reason: Scalar, gap: Scalar) -> Verdict:
