@@ -126,7 +126,9 @@ CLAUSES: dict[str, list[tuple[str, str]]] = {
             "(net.contract, stop, ugv, memory.ugvs[i], world.t - ugv.stamp)",
         ),
         ("clip(proposed.forward, -stop.most, stop.most), clip", "proposed.forward, clip"),
-        ("face.room > reach", "face.room > 0.5 * reach"),
+        ("cond(face.room > reach,", "cond(face.room > 0.5 * reach,"),
+        ("negate(face.room > reach)", "negate(face.room > 0.5 * reach)"),
+        ("AHEAD * stop.most", "0.0 * stop.most"),
     ],
     "stop_tube": [
         ("lambda: True, partial(self._clears, face, turn.sweep)", "lambda: True, lambda: True"),

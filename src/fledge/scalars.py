@@ -132,6 +132,11 @@ def cond(condition: Scalar, yes: Callable[[], Any], no: Callable[[], Any]) -> An
     return where(condition, yes(), no())
 
 
+def matters(condition: Scalar) -> bool:
+    """Whether to look at something at all: plain numbers say it, a compiled program has to look at everything."""
+    return condition if isinstance(condition, bool) else True
+
+
 def stack(values: Sequence[Scalar], like: Any) -> Any:
     """One array with `values` along its last axis, of the dtype of `like`: the way into a network."""
     if _plain(*values):

@@ -81,6 +81,31 @@ def test_a_tall_box_is_stopped_at_and_a_low_one_flown_over(net):
     assert log.last.uav.position.x > 3.0, "beyond the box"
 
 
+def test_what_is_near_at_its_side_hides_nothing_that_is_ahead():
+    """Of what is out of reach a net looks at nothing; of what is in reach at everything."""
+    told, net = Commands(EAST, (VelocityCommand(0.7, 0.0, 0.0, 0.0), HOVER, HOVER)), StopTube()
+
+    def refused(ahead: float, aside: float) -> list[bool]:
+        start = world(
+            (5.0 - net.uav.radius - ahead, 0.0, 3.0),
+            ((5.0 - net.ugvs[0].radius - ahead, -3.0, 0.0), *SPREAD[1:]),
+        )
+        beside = (
+            Obstacle(Box(3.0, 5.0, net.uav.radius + aside, 2.0), 4.0),
+            Obstacle(Box(3.0, 5.0, -4.5, -3.0 - net.ugvs[0].radius - aside), 4.0),
+        )
+        arena = replace(HALL, obstacles=beside)
+        _, verdicts = net.filter(net.init(arena, start), start, told)
+        return [bool(verdict.intervened) for verdict in verdicts[:2]]
+
+    for ahead in np.linspace(0.1, 2.1, 81).tolist():
+        bare = refused(ahead, 1.0)
+        for aside in (0.16, 0.17, 0.18, 0.2, 0.3, 0.4):
+            assert not any(free > near for free, near in zip(bare, refused(ahead, aside), strict=True))
+    assert refused(0.16, 1.0) == [True, True] and refused(0.6, 1.0) == [False, True]
+    assert refused(2.1, 1.0) == [False, False]
+
+
 @BOTH
 def test_the_reason_names_what_is_near(net):
     for way, reason in (("east", Reason.WALL), ("up", Reason.CEILING), ("down", Reason.FLOOR)):

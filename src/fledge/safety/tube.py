@@ -353,6 +353,7 @@ class UgvMotion(NamedTuple):
     stop: UgvStop
     ugv: UgvState
     sent: UgvSent
+    nose: Heading
     error: float
     """Of its heading [rad]."""
     brake: float
@@ -387,6 +388,7 @@ class UgvMotion(NamedTuple):
             stop,
             ugv,
             sent,
+            Heading.of(ugv.heading),
             error=contract.angle_error,
             brake=stop.acceleration - contract.disturbance,
             delay=contract.age + contract.latency,
@@ -438,7 +440,7 @@ class UgvMotion(NamedTuple):
     def _tube(self, phases: tuple[Phases, Phases, Phases, Phases]) -> UgvTube:
         ahead, astern, left, right = phases
         ends = Turn(self.error + left.whole, self.error + right.whole)
-        return UgvTube(Heading.of(self.ugv.heading), ahead.whole, astern.whole, ends)
+        return UgvTube(self.nose, ahead.whole, astern.whole, ends)
 
     def _sweep(self, held: tuple[tuple[Scalar, Scalar], ...]) -> UgvSweep:
         phases = self._phases(held)

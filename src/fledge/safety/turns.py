@@ -32,7 +32,7 @@ from fledge.safety.tube import (
     uav_tube,
     ugv_faces,
 )
-from fledge.scalars import Scalar, clip, cond, isfinite, maximum, minimum, negate, where
+from fledge.scalars import Scalar, clip, cond, isfinite, matters, maximum, minimum, negate, where
 from fledge.world import Arena, Commands, Reason, UavState, VelocityCommand, Verdict, WorldState
 
 SLOW = 0.3
@@ -47,6 +47,8 @@ BLIND = 2.0
 """[s] for which a UAV is kept off things that it no longer sees; chosen, then it should have been landed."""
 CALMING = 1.0
 """[s] in which the pace of the UAV stops to matter; a few of its lags, and half of that was too short."""
+AHEAD = 2.0
+"""[s] at full speed: a UAV with more room before it is not kept from anything; far above any net's horizon."""
 LEAD = 0.2
 """[m] it may be ahead of the UAV."""
 STANDS = 0.1
@@ -220,7 +222,8 @@ def _uav(
     turn = clip(proposed.turn, -stop.most_turn, stop.most_turn)
     number = isfinite(wanted.x + wanted.y + wanted.z + turn)
     fresh = _fresh(net.contract, age)
-    tightest, gap = _tightest(faces, [face.room for face in faces])
+    gap, faces = _gap(faces), _near(faces, AHEAD * stop.most)
+    tightest = _tightest(faces, [face.room for face in faces])
     known = number & fresh & _whole(world.uav)
     fades = net.contract.period / CALMING
     quicker = memory.pace.then(x, y, turn, fades)
@@ -328,11 +331,12 @@ def _ugv(
     known = number & fresh & isfinite(ugv.x + ugv.y + ugv.heading + ugv.speed + ugv.turn_rate)
     zero = 0.0 * memory.left.most
     reach = motion.reach()
+    gap, faces = _gap(faces), _near(faces, reach)
 
     def swept(turn: Scalar) -> tuple[Scalar, tuple[tuple[Scalar, Scalar], ...], tuple[Scalar, ...]]:
         go = motion.told(forward, turn)
         shares = tuple(
-            # No way that it may be told to go leads so far.
+            # No way that it may be told to go leads farther.
             cond(face.room > reach, lambda: (zero, zero), partial(go.shares, -face.x, -face.y))
             for face in faces
         )
@@ -351,7 +355,7 @@ def _ugv(
     way = partial(motion.told, turn=turn)
     # Looked at but seldom, and then by many a face.
     sweep = cache(partial(motion.sweep, forward, turn))
-    tightest, gap = _tightest(faces, rooms)
+    tightest = _tightest(faces, rooms)
     passes, chosen = net.decide_ugv(stop, UgvTurn(forward, turn, known, faces, shares, rooms, way, sweep))
     passes = passes & isfinite(chosen)
     speed = where(passes, chosen, zero)
@@ -368,12 +372,24 @@ def _rooms(faces: list[Face], shares: tuple[tuple[Scalar, Scalar], ...], tube: U
     return tuple(face.room - tube.along(share) for face, share in zip(faces, shares, strict=True))
 
 
-def _tightest(faces: list[Face], rooms: Sequence[Scalar]) -> tuple[Face, Scalar]:
-    """(the face with least room, NaN being least; the smallest gap)."""
+def _near(faces: list[Face], reach: Scalar) -> list[Face]:
+    """Those that a vehicle may come up to, or else the nearest; a compiled program looks at all."""
+    near = [face for face in faces if matters(negate(face.room > reach))]
+    return near or [min(faces, key=lambda face: face.room)]
+
+
+def _gap(faces: list[Face]) -> Scalar:
+    """The smallest from hull to hull [m]."""
+    return reduce(minimum, (face.gap for face in faces))
+
+
+def _tightest(faces: list[Face], rooms: Sequence[Scalar]) -> Face:
+    """The face with least room, NaN being least."""
     least = rooms[0], faces[0]
     for room, face in zip(rooms[1:], faces[1:], strict=True):
-        least = where(least[0] <= room, least, (room, face))
-    return least[1], reduce(minimum, (face.gap for face in faces))
+        still = (least[0] <= room) | (least[0] != least[0])
+        least = where(still, least, (room, face))
+    return least[1]
 
 
 def _verdict(proposed: VelocityCommand, sent: VelocityCommand, reason: Scalar, gap: Scalar) -> Verdict:
