@@ -195,10 +195,10 @@ def sent_instead(net: Deciding, memory: Memory, world: WorldState, instead: Comm
 
 def clear(rooms: Sequence[Scalar]) -> Scalar:
     """Whether there is room before every face."""
-    clear = True
+    every = True
     for room in rooms:
-        clear = clear & (room >= 0.0)
-    return clear
+        every = every & (room >= 0.0)
+    return every
 
 
 def _fresh(contract: Contract, age: Scalar) -> Scalar:
