@@ -98,6 +98,32 @@ def fly(
             makes of the batches is strung together.
         roll: what is done with each scene; a program is compiled for each.
     """
+    inputs, flown = _set_up(cases, crew, keys, rig, roll)
+
+    def batch(begin: int) -> Any:
+        episodes = flown.result()(*inputs(begin))
+        return jax.tree.map(np.asarray, episodes if reduce is None else reduce(episodes))
+
+    with ThreadPoolExecutor(os.cpu_count()) as cores:
+        parts = list(cores.map(batch, range(0, len(cases), BATCH)))
+    return jax.tree.map(lambda *leaves: np.concatenate(leaves)[: len(cases)], *parts)
+
+
+def prepare(
+    cases: Sequence[Case],
+    crew: Crew | Sequence[Crew],
+    keys: Sequence[Sequence[int]],
+    rig: Rig = Rig(),
+    roll: Rollout = rollout,
+) -> None:
+    """Begin to compile what `fly` will need for such arguments: of theirs, only kinds and shapes count."""
+    _set_up(cases, crew, keys, rig, roll)
+
+
+def _set_up(
+    cases: Sequence[Case], crew: Crew | Sequence[Crew], keys: Sequence[Sequence[int]], rig: Rig, roll: Rollout
+) -> tuple[Callable[[int], tuple[Case, Crew, jax.Array]], Future[Any]]:
+    """(the inputs of the batch that begins with a flight, the program for such batches)."""
     register(tuple(crew) if isinstance(crew, Sequence) else crew)
     crews = [crew] * len(cases) if isinstance(crew, Crew) else crew
     # Numbers are dealt out to the flights, so that one program does, whoever flies; a network is one for all.
@@ -110,15 +136,7 @@ def fly(
         return stack_cases([cases[i] for i in some], boxes), aboard, _seeds([keys[i] for i in some])
 
     shapes = jax.tree.map(lambda leaf: jax.ShapeDtypeStruct(leaf.shape, leaf.dtype), inputs(0))
-    flown = _program(rig, roll, alike, shapes).result()
-
-    def batch(begin: int) -> Any:
-        episodes = flown(*inputs(begin))
-        return jax.tree.map(np.asarray, episodes if reduce is None else reduce(episodes))
-
-    with ThreadPoolExecutor(os.cpu_count()) as cores:
-        parts = list(cores.map(batch, range(0, len(cases), BATCH)))
-    return jax.tree.map(lambda *leaves: np.concatenate(leaves)[: len(cases)], *parts)
+    return inputs, _program(rig, roll, alike, shapes)
 
 
 def take(episodes: Episode, flight: int, rows: int) -> Episode:

@@ -346,6 +346,31 @@ def test_the_delay_that_was_found_makes_a_linear_task_linear_again():
     assert left_over(0) > 0.1
 
 
+def holding(seed, delay, rows=2000):
+    """A person with a slowly trembling hand holds a drifting thing: (how far off, how fast), and what was said."""
+    rng = np.random.default_rng(seed)
+    off, velocity, said, tremble = np.zeros(rows), np.zeros(rows), np.zeros(rows), 0.0
+    for t in range(1, rows):
+        tremble = 0.9 * tremble + 0.05 * rng.normal()
+        velocity[t] = 0.3 * velocity[t - 1] + 0.7 * said[t - 1]
+        off[t] = off[t - 1] + 0.05 * (velocity[t] + rng.normal())
+        said[t] = tremble - off[max(t - delay, 0)]
+    return np.column_stack([off, velocity]), said[:, None]
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("delay", (2, 4, 6))
+def test_what_answers_the_actions_would_hide_the_delay(delay, seed):
+    """The velocity is what was said just now, tremble and all, which tells what is said next."""
+    states, actions = holding(seed, delay)
+    whole = SubTask("hold", (0,))
+    assert estimate_delay({whole: (states, actions)}) == 0
+    assert estimate_delay({whole: (states, actions)}, answers=(1,)) == delay
+    # The entry is the composite state's, wherever a sub-task has it.
+    part = SubTask("hold", (0,), states=(4, 2))
+    assert estimate_delay({part: (states[:, ::-1], actions)}, answers=(4,)) == delay
+
+
 def test_short_episodes_bound_the_delay():
     """No delay longer than every episode is ever chosen, and Demonstrations do as well as pairs."""
     data = tracking(3, 2, 0.0, rows=6, count=8)

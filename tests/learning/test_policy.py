@@ -164,6 +164,13 @@ OTHER = {
 }
 
 
+def test_a_blank_network_lets_go_of_the_sticks():
+    blank = Policy.blank((0, 3, 5))
+    assert [w.shape for w in blank.weights] == [(3, 300), (300, 300), (300, 4)]
+    assert not blank(100.0 * np.ones((5, 11), np.float32)).any()
+    assert network(inputs=(0, 3, 5), hidden=HIDDEN)(np.ones((5, 11), np.float32)).all()
+
+
 def test_the_list_of_what_differs_is_complete():
     assert {*OTHER, "data"} == {field.name for field in fields(Contract)}
 

@@ -12,10 +12,12 @@ from fledge.learning import demonstrations
 from fledge.learning.demonstrations import PAPER_ORDERS, Order, collect
 from fledge.learning.policy import Policy
 from fledge.learning.recipe import Recipe
+from fledge.learning.training import member
 from fledge.manoeuvres import Combined
 from fledge.manoeuvres.paths import FAMILIES
 from fledge.observation import Axes
 from fledge.pilots import HumanModel, Servo
+from fledge.pytrees import register
 from fledge.safety import NoNet
 from fledge.simulation import Crew, Rig, flight_key
 from fledge.study import crossover, experiments, proving, statistics
@@ -569,6 +571,16 @@ def test_the_default_policy_and_the_operator_fly_behind_every_net(results, monke
     (_, policy, nets, kinds), (_, operator, _, fewer) = flown
     assert policy.contract is None and policy.weights[0].ndim == 2 and isinstance(operator, HumanModel)
     assert nets == ("none", "paper") and kinds == ("combined", "reversed", "lab") and fewer == kinds[:2]
+
+
+def test_networks_are_alike_but_for_their_numbers(results):
+    """Else what was compiled before they learnt would be compiled anew."""
+    register(Policy.blank(()))
+    blank = jax.tree.map(np.shape, Policy.blank(DEFAULT_METHOD.inputs))
+    policies = [one.policy for one in results.setups.values() if one.policy is not None]
+    assert len(policies) > 2
+    for policy in policies:
+        assert jax.tree.map(np.shape, replace(member(policy, 0), contract=None)) == blank
 
 
 def test_a_study_without_nets_says_so(results):

@@ -7,12 +7,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fledge import engines
 from fledge.pilots import Servo
 from fledge.simulation import Rig
 from fledge.study import proving
 from fledge.study.proving import Bystanders
 from fledge.study.setups import BASIC, Study
 
+PRIMITIVE = next(setup for setup in BASIC if setup.name == "primitive")
 STUDY = Study("tiny", BASIC, cases=4, manoeuvre_cases=2, training_seeds=2, rows=60)
 
 
@@ -41,6 +43,7 @@ def slow(monkeypatch):
 
     monkeypatch.setattr(proving, "credibility", lambda pilot, seed, rig: (seed, rig))
     monkeypatch.setattr(proving, "fly_tests", fly)
+    monkeypatch.setattr(proving, "get_ready", lambda study, rig: None)
     return asked, gate
 
 
@@ -72,6 +75,21 @@ def test_an_error_in_a_flight_is_the_study_s(monkeypatch):
 
     monkeypatch.setattr(proving, "credibility", lambda pilot, seed, rig: ())
     monkeypatch.setattr(proving, "fly_tests", crash)
+    monkeypatch.setattr(proving, "get_ready", lambda study, rig: None)
     study = replace(STUDY, setups=(replace(BASIC[0], pilot=Servo()),))
     with Bystanders(study, Rig()) as others, pytest.raises(ZeroDivisionError):
         others.flown[BASIC[0].name].result()
+
+
+def test_what_is_to_fly_a_network_is_ready_before_it_has_learnt(monkeypatch):
+    ahead = []
+    monkeypatch.setattr(proving, "compile_ahead", lambda *asked: ahead.append(asked))
+    proving.get_ready(replace(STUDY, net_cases=3), Rig())
+    ((policy, *rest),) = ahead
+    assert policy.inputs == PRIMITIVE.method.inputs and rest == [STUDY.nets, STUDY.rows, Rig()]
+    proving.get_ready(STUDY, Rig())
+    assert len(ahead) == 1
+    monkeypatch.setattr(engines, "compiled", None)  # nothing more is compiled
+    learnt = replace(policy, biases=tuple(bias + 0.1 for bias in policy.biases))
+    scores, sample = proving.fly_tests(replace(PRIMITIVE, trained_on=None), STUDY, learnt, Rig())
+    assert scores.effort.min() > 0.05 and sample.pilot == "primitive"

@@ -5,13 +5,25 @@ import json
 import numpy as np
 import pytest
 
+from fledge import engines
 from fledge.dynamics import UGV_FLEET
 from fledge.pilots import Servo
 from fledge.safety import NETS
 from fledge.simulation import Case, flight_key
 from fledge.study.bill import Bill
 from fledge.study.evaluation import Score
-from fledge.study.restraint import LAB, NAMED, NEAR, Entry, Trials, cost, examine, summarise, trials
+from fledge.study.restraint import (
+    LAB,
+    NAMED,
+    NEAR,
+    Entry,
+    Trials,
+    compile_ahead,
+    cost,
+    examine,
+    summarise,
+    trials,
+)
 from fledge.study.setups import NETS as STUDIED
 from fledge.world import Arena
 
@@ -58,8 +70,10 @@ def test_in_the_lab_every_corner_stays_clear_of_the_walls():
         assert room.min() > 0.5
 
 
-def test_a_net_flies_the_same_flights_as_no_net_and_is_charged_for_them():
+def test_a_net_flies_the_same_flights_as_no_net_and_is_charged_for_them(monkeypatch):
     nets = {name: NAMED[name] for name in ("none", "paper")}
+    compile_ahead(Servo(p=0.1), list(nets), ROWS)
+    monkeypatch.setattr(engines, "compiled", None)  # all that will be needed is there, whoever flies
     flights = trials(2, 2, seed=0, rows=ROWS)
     entries = list(examine("servo", Servo(), nets, flights))
     assert [(one.pilot, one.net) for one in entries] == [("servo", "none"), ("servo", "paper")]

@@ -12,7 +12,7 @@ paper's F_state and F_action; `fuse` is its loop. Three choices are made here an
 """
 
 import hashlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -147,22 +147,35 @@ def fuse(
 
 
 def estimate_delay(
-    demonstrations: Mapping[SubTask, Demonstrations | Pair | Iterable[Pair]], most: int = 10
+    demonstrations: Mapping[SubTask, Demonstrations | Pair | Iterable[Pair]],
+    most: int = 10,
+    answers: Collection[int] = (),
 ) -> int:
     """Rows by which actions lag what they answer, read off the demonstrations alone (D15).
 
     The delay whose linear model from state to action leaves the least, summed over sub-tasks in units of each one's
     variance. Delays of 0 to `most` rows are tried, as far as the shortest episode has more rows.
+
+    Args:
+        demonstrations: of each sub-task, as for `fuse`.
+        most: rows to try.
+        answers: entries of the composite state that answer the actions, as a vehicle's velocity does. They are left
+            out: they tell of the actions just past, and so, best without delay, of those to come.
     """
-    checked = [Demonstrations.of(data, task.name) for task, data in demonstrations.items()]
-    shortest = min(len(states) for data in checked for states, _ in data.episodes)
-    left = [sum(_unexplained(data, k) for data in checked) for k in range(min(most + 1, shortest))]
+    tasks: list[list[Pair]] = []
+    for task, data in demonstrations.items():
+        whole = Demonstrations.of(data, task.name)
+        entries = range(whole.state_dim) if task.states is None else task.states
+        seen = [column for column, entry in enumerate(entries) if entry not in answers]
+        tasks.append([(states[:, seen], actions) for states, actions in whole.episodes])
+    shortest = min(len(states) for episodes in tasks for states, _ in episodes)
+    left = [sum(_unexplained(episodes, k) for episodes in tasks) for k in range(min(most + 1, shortest))]
     return int(np.argmin(left))
 
 
-def _unexplained(data: Demonstrations, delay: int) -> float:
+def _unexplained(episodes: Sequence[Pair], delay: int) -> float:
     """Share of the actions' variance that a linear model of the state `delay` rows ago does not explain."""
-    pairs = [(s[: len(s) - delay], a[delay:]) for s, a in data.episodes]
+    pairs = [(s[: len(s) - delay], a[delay:]) for s, a in episodes]
     states, actions = (np.concatenate(part) for part in zip(*pairs, strict=True))
     states = np.column_stack([states - states.mean(axis=0), np.ones(len(states))])
     coefficients = np.linalg.lstsq(states, actions, rcond=None)[0]

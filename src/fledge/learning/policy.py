@@ -8,6 +8,7 @@ A policy need not know anything of drones: without a contract it is a map from s
 """
 
 from dataclasses import asdict, dataclass, field, fields
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -88,6 +89,19 @@ class Policy(AbstractPilot):
     """How many entries a state has."""
     contract: Contract | None = field(default=None, metadata={"static": True})
     name = "policy"
+
+    @classmethod
+    def blank(cls, inputs: tuple[int, ...]) -> "Policy":
+        """A network that reads these entries of an `Observation`, and has learnt nothing: all sticks stay at rest."""
+        sizes = (len(inputs), *HIDDEN, len(ACTION_NAMES))
+        return cls(
+            weights=tuple(np.zeros(shape, np.float32) for shape in pairwise(sizes)),
+            biases=tuple(np.zeros(size, np.float32) for size in sizes[1:]),
+            mean=np.zeros(len(inputs), np.float32),
+            scale=np.ones(len(inputs), np.float32),
+            inputs=inputs,
+            states=len(OBSERVATION_NAMES),
+        )
 
     def __call__(self, state: Any) -> np.ndarray:
         """Actions in [-1, 1] for one state or many."""

@@ -18,7 +18,7 @@ from fledge.learning.policy import Contract, Policy
 from fledge.learning.takeovers import TAKE_OVERS
 from fledge.learning.training import LossCurve, member, policies, train
 from fledge.manoeuvres import AbstractManoeuvre, Combined
-from fledge.observation import OBSERVATION_NAMES, Axes
+from fledge.observation import OBSERVATION_NAMES, VELOCITY_INPUTS, Axes
 from fledge.pilots import AbstractPilot, HumanModel
 from fledge.safety import AbstractNet, NoNet
 from fledge.simulation import Case, Crew, Rig, flight_key
@@ -147,7 +147,7 @@ def composite_set(
 ) -> tuple[CompositeSet, int]:
     """(the composite set, the delay in rows): what a set-up learns from, and from those who took over, if any did."""
     chosen = {task: demos[task.name] for task in TASKS[trained_on]}
-    delay = estimate_delay(chosen) if method.delay == "estimated" else method.delay
+    delay = estimate_delay(chosen, answers=VELOCITY_INPUTS) if method.delay == "estimated" else method.delay
     further = {TAKE_OVERS: Demonstrations.of(list(takeovers), TAKE_OVERS.name)} if takeovers else {}
     return fuse(chosen | further, 4, method.fill, method.inputs, delay, unused=YAW), delay
 

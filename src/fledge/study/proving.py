@@ -1,16 +1,20 @@
 """The test flights of a study: the same cases with the same chance, whoever flies."""
 
 from concurrent.futures import Future, ThreadPoolExecutor
+from dataclasses import replace
 from typing import Any
 
+from fledge.engines import prepare
 from fledge.episode import Flight
+from fledge.learning.policy import Policy
 from fledge.manoeuvres import AbstractManoeuvre
 from fledge.observation import Axes
 from fledge.pilots import AbstractPilot, HumanModel
 from fledge.simulation import Case, Crew, Rig, flight_key
 from fledge.study.crossover import Credibility, credibility
 from fledge.study.evaluation import Score, evaluate
-from fledge.study.setups import FLYING_AXES, TEST_MANOEUVRES, Setup, Study
+from fledge.study.restraint import compile_ahead
+from fledge.study.setups import DEFAULT_METHOD, FLYING_AXES, TEST_MANOEUVRES, Setup, Study
 
 
 def test_cases(study: Study) -> tuple[list[Case], list[tuple[int, ...]]]:
@@ -49,8 +53,19 @@ def fly_tests(setup: Setup, study: Study, pilot: AbstractPilot, rig: Rig) -> tup
     )
 
 
+def get_ready(study: Study, rig: Rig) -> None:
+    """Begin to compile what will fly those who have learnt by then: all networks are alike but for their numbers."""
+    cases, keys = test_cases(replace(study, cases=1, manoeuvre_cases=0))
+    for inputs in {setup.method.inputs for setup in study.setups if setup.trained_on}:
+        prepare(cases, Crew(Policy.blank(inputs), Axes.of(FLYING_AXES)), keys, rig)
+    if study.net_cases:
+        compile_ahead(Policy.blank(DEFAULT_METHOD.inputs), study.nets, study.rows, rig)
+
+
 class Bystanders:
     """Whoever learns nothing: they fly from the start, on a core of their own, while others demonstrate and learn.
+
+    And for these, what is to fly them gets ready.
 
     A context: those who have not taken off when it is left stay on the ground.
     """
@@ -68,6 +83,7 @@ class Bystanders:
             for setup in study.setups
             if setup.pilot
         }
+        get_ready(study, rig)
 
     def __enter__(self) -> "Bystanders":
         return self

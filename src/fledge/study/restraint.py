@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from fledge.engines import fly
+from fledge.engines import fly, prepare
 from fledge.manoeuvres import AbstractManoeuvre, FixedAltitude
 from fledge.manoeuvres.paths import HELD_OUT_FAMILIES
 from fledge.observation import ROW_RATE, Axes
@@ -103,6 +103,13 @@ def examine(
     # Two at a time: the one's programs are compiled while the other flies.
     with ThreadPoolExecutor(2) as pool:
         yield from pool.map(entry, nets)
+
+
+def compile_ahead(pilot: AbstractPilot, nets: Sequence[str], rows: int, rig: Rig = Rig()) -> None:
+    """Begin to compile what `examine` will need for flights of so many rows; of a network only the shape counts."""
+    for net in nets:
+        for kind, (cases, keys) in trials(1, 1, 0, rows).items():
+            prepare(cases, Crew(pilot, AXES[kind], NAMED[net]), keys, rig, watched)
 
 
 # In numbers.
