@@ -1,17 +1,19 @@
 """The geometry of stops."""
 
 from dataclasses import replace
-from math import cos, pi, sin
+from math import cos, nan, pi, sin
 
 import pytest
 from aloft import HALL, SPREAD, world
-from hypothesis import example, given
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from fledge.dynamics import P3_DX
 from fledge.geometry import Box, Heading, Vec3
 from fledge.safety import Contract, UavStop, UgvStop
 from fledge.safety.tube import (
+    Commitment,
+    Face,
     Held,
     Pace,
     Phases,
@@ -207,11 +209,31 @@ def test_the_way_of_a_ugv_is_reaction_and_braking_by_the_contract(way):
     assert astern == 0.0
 
 
+@pytest.mark.parametrize("told", (0.0, 0.1, 0.6))
 @pytest.mark.parametrize("seen", (-2.0, -0.5, 0.0, 0.5, 2.0))
-def test_whatever_it_is_told_a_ugv_stays_within_its_reach(seen):
+def test_within_its_reach_a_ugv_stops_and_does_what_it_is_told_besides(seen, told):
     motion = UgvMotion.of(C, UGV, UgvState(0.0, 0.0, 0.0, seen, 0.0, 0.0), ordered(0.3), 0.04)
-    tubes = [motion.told(forward, 0.0) for forward in (-UGV.most, -0.1, 0.0, 0.1, UGV.most)]
-    assert max(max(tube.ahead, tube.astern) for tube in tubes) == pytest.approx(motion.reach())
+    stop, *tubes = (motion.told(forward, 0.0) for forward in (0.0, told, -told))
+    farthest = [max(tube.ahead, tube.astern) for tube in (stop, *tubes)]
+    braking = told * told / (2.0 * (UGV.acceleration - C.disturbance))
+    assert motion.reach(told) == pytest.approx(farthest[0] + told * UGV.hold_over + braking)
+    assert max(farthest) <= motion.reach(told)
+
+
+@settings(max_examples=60)
+@given(
+    st.tuples(*[st.floats(-1.5, 1.5)] * 2),
+    st.lists(st.tuples(st.floats(-3.0, 3.0), st.floats(-3.0, 3.0)), max_size=8),
+    st.floats(0.0, 0.2),
+)
+def test_whatever_it_was_told_a_ugv_stays_within_its_reach(seen, told, age):
+    """Faster than it may be told, too: by a person who holds the dead-man switch."""
+    orders = NO_ORDERS
+    for command in told:
+        orders = orders.then(C, UGV, *command, C.period)
+    one = Commitment(UgvMotion.of(C, UGV, UgvState(0.0, 0.0, 0.0, *seen, 0.0), orders, age))
+    ways = [one.sweep.advance(cos(pi * k / 12), sin(pi * k / 12)) for k in range(24)]
+    assert max(ways) <= one.reach + 1e-9
 
 
 @pytest.mark.parametrize("way", (1.0, -1.0))
@@ -247,13 +269,27 @@ def test_a_nose_may_still_chase_a_turn_it_was_told_before():
     )
 
 
+def face_of_another(x: float, reach: float) -> tuple[Face, Commitment]:
+    """What a UGV at the origin sees of one that drives towards it from x [m], and what that is committed to."""
+    me, other = (
+        UgvMotion.of(C, UGV, state, ordered(0.3), 0.0)
+        for state in (UgvState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), UgvState(x, 0.0, pi, 0.3, 0.0, 0.0))
+    )
+    uav, commitment = uav_tube(C, UAV, world().uav, (NOTHING,) * 3, STANDING, 0.0), Commitment(other)
+    *_, face, _ = ugv_faces(C, me, reach, HALL, (commitment,), (UAV, world().uav, uav))
+    assert face.gap == pytest.approx(x - 2.0 * UGV.radius)
+    return face, commitment
+
+
 def test_another_ugv_is_as_near_as_its_own_stop_may_bring_it():
-    me, other = UgvState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), UgvState(3.0, 0.0, pi, 0.3, 0.0, 0.0)
-    uav = (UAV, world().uav, uav_tube(C, UAV, world().uav, (NOTHING,) * 3, STANDING, 0.0))
-    towards = UgvMotion.of(C, UGV, other, NO_ORDERS, 0.0).committed()
-    *_, face, _ = ugv_faces(C, UGV, HALL, me, ((UGV, other, towards),), uav)
-    assert face.gap == pytest.approx(3.0 - 2.0 * UGV.radius)
-    assert face.room == pytest.approx(face.gap - 2.0 * C.position_error - towards.tube.ahead)
+    face, other = face_of_another(1.5, reach=0.45)
+    assert face.room == pytest.approx(face.gap - 2.0 * C.position_error - other.sweep.tube.ahead)
+
+
+def test_one_that_it_cannot_meet_counts_with_all_its_reach():
+    face, other = face_of_another(1.5, reach=0.0)
+    assert face.room == pytest.approx(face.gap - 2.0 * C.position_error - other.reach)
+    assert face.room > 0.0 and "sweep" not in vars(other)
 
 
 @pytest.mark.parametrize("angle", (0.0, 0.5, 2.0))
@@ -369,13 +405,30 @@ def test_beside_or_above_is_enough():
         tube = uav_tube(C, UAV, world().uav, (NOTHING,) * 3, STANDING, 0.0)
         (face,) = [f for f in uav_faces(C, UAV, arena, world().uav, tube, ()) if f.reason == Reason.OBSTACLE]
         assert face.z == z
+    # A little above, and far beside.
+    arena = replace(HALL, obstacles=(Obstacle(Box(2.5, 3.0, -1.0, 1.0), 1.6),))
+    faces = uav_faces(C, UAV, arena, world().uav, tube, ())
+    (face,) = [f for f in faces if f.reason == Reason.OBSTACLE]
+    assert face.z == 0.0 and face.room > 1.0
+
+
+def test_high_above_a_ugv_nothing_it_does_matters():
+    lost = UgvState(0.0, 0.0, 0.0, nan, 0.0, 0.0)
+    for height, minds in ((3.0, False), (0.3, True)):
+        w = world((0.9, 0.0, height))
+        tube = uav_tube(C, UAV, w.uav, (NOTHING,) * 3, STANDING, 0.0)
+        *_, face = uav_faces(
+            C, UAV, HALL, w.uav, tube, (Commitment(UgvMotion.of(C, UGV, lost, NO_ORDERS, 0.0)),)
+        )
+        assert (face.room >= 0.0) != minds and face.z == 1.0 - minds
 
 
 def test_a_ugv_minds_a_uav_only_when_it_is_low():
     for height, minds in ((3.0, False), (0.3, True)):
         w = world((-1.4, -2.0, height))
         tube = uav_tube(C, UAV, w.uav, (NOTHING,) * 3, STANDING, 0.0)
-        *_, face = ugv_faces(C, UGV, HALL, w.ugvs[0], (), (UAV, w.uav, tube))
+        motion = UgvMotion.of(C, UGV, w.ugvs[0], NO_ORDERS, 0.0)
+        *_, face = ugv_faces(C, motion, 0.5, HALL, (), (UAV, w.uav, tube))
         assert (face.room < 1.0) == minds
 
 

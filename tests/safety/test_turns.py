@@ -10,7 +10,7 @@ from aloft import HALL, HOVER, SPREAD, STILL, always, fly, world
 
 from fledge.geometry import Box, Quat, Vec3
 from fledge.pytrees import register
-from fledge.safety import Barrier, StopTube, UgvStop
+from fledge.safety import Barrier, StopTube, UgvStop, tube, turns
 from fledge.safety.tube import Pace, UgvSent, uav_error
 from fledge.safety.turns import UavTurn, UgvTurn, in_turn
 from fledge.world import Commands, Obstacle, Reason, UavState, UgvState, VelocityCommand, WorldState
@@ -104,6 +104,40 @@ def test_what_is_near_at_its_side_hides_nothing_that_is_ahead():
             assert not any(free > near for free, near in zip(bare, refused(ahead, aside), strict=True))
     assert refused(0.16, 1.0) == [True, True] and refused(0.6, 1.0) == [False, True]
     assert refused(2.1, 1.0) == [False, False]
+
+
+def anywhere(rng: np.random.Generator, t: float) -> tuple[WorldState, Commands]:
+    """Vehicles close to each other and to a box, as fast as they may be, told whatever."""
+    low, high = (-2.0, -2.0, 0.4, -pi, -1.0, -1.0, -0.5), (2.0, 2.0, 3.0, pi, 1.0, 1.0, 0.5)
+    x, y, z, yaw, *v = rng.uniform(low, high).tolist()
+    uav = UavState(Vec3(x, y, z), Vec3(*v), Quat.from_yaw(yaw), Vec3(0.0, 0.0, 0.0), t)
+    low, high = (-2.0, -2.0, -pi, -0.6, -1.0), (2.0, 2.0, pi, 0.6, 1.0)
+    ugvs = tuple(
+        UgvState(*rng.uniform(low, high).tolist(), stamp=t - rng.uniform(0.0, 0.05)) for _ in range(3)
+    )
+    told = [VelocityCommand(*rng.uniform(-1.5, 1.5, 4).tolist()) for _ in range(4)]
+    return WorldState(t, uav, ugvs), Commands(told[0], tuple(told[1:]))
+
+
+@BOTH
+@pytest.mark.parametrize("seed", range(3))
+def test_what_is_too_far_to_be_looked_at_would_have_changed_nothing(net, seed, monkeypatch):
+    """In step with a net that looks at everything, as a compiled program does."""
+    rng, differ = np.random.default_rng(seed), 0
+    memory = net.init(BOX, anywhere(rng, 0.0)[0])
+    for tick in range(150):
+        seen, commands = anywhere(rng, 0.01 * tick)
+        after, verdicts = net.filter(memory, seen, commands)
+        with monkeypatch.context() as patch:
+            for module in (tube, turns):
+                patch.setattr(module, "matters", lambda condition: True)
+            whole, others = net.filter(memory, seen, commands)
+        assert after == whole
+        for one, other in zip(verdicts, others, strict=True):
+            assert replace(one, reason=other.reason) == other
+        differ += sum(one.intervened for one in verdicts) < 4.0
+        memory = after
+    assert differ > 50, "not everything is stopped"
 
 
 @BOTH

@@ -40,6 +40,11 @@ class StopTube(AbstractNet):
     scale: float = 1.0
     """Share of the proven margin that is kept; less than 1 is for measuring how much of it is needed."""
 
+    @property
+    def reserve(self) -> float:
+        """None: all of the room may be used."""
+        return 0.0
+
     def init(self, arena: Arena, world: WorldState) -> Memory:
         """Nothing was sent yet."""
         return begin(self, arena, world)

@@ -8,11 +8,14 @@ taken off. Room that is not negative means: whatever happens within the contract
 Nothing here decides; what a net does with the room is its own affair.
 """
 
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
 from typing import NamedTuple
 
 from fledge.geometry import Box, Heading, Vec3
 from fledge.safety.contract import Contract, UavStop, UgvStop
-from fledge.scalars import Scalar, clip, exp, maximum, minimum, sqrt, where
+from fledge.scalars import Scalar, clip, cond, exp, matters, maximum, minimum, negate, sqrt, where
 from fledge.world import Arena, Reason, UavState, UgvState
 
 TINY = 1e-9
@@ -399,11 +402,11 @@ class UgvMotion(NamedTuple):
             right=fastest(-ugv.turn_rate, *steering, sent.right),
         )
 
-    def reach(self) -> Scalar:
-        """How far it may go at most, whatever it is told [m]."""
-        speed, most = maximum(self.ahead, self.astern), self.stop.most
-        top = maximum(speed, most)
-        return speed * self.reaction + most * self.stop.hold_over + top * top / (2.0 * self.brake)
+    def reach(self, told: Scalar) -> Scalar:
+        """How far it may go at most, told to go no faster than this [m/s]: a stop, and all of what it is told [m]."""
+        speed = maximum(self.ahead, self.astern)
+        braking = (speed * speed + told * told) / (2.0 * self.brake)
+        return speed * self.reaction + told * self.stop.hold_over + braking
 
     def told(self, forward: Scalar, turn: Scalar) -> UgvTube:
         """Its stop if it hears a command and goes on with it until its watchdog ends it; (0, 0) is to stop now."""
@@ -463,6 +466,24 @@ class UgvMotion(NamedTuple):
         return UgvSweep(self._tube(phases), mean(ahead), mean(astern))
 
 
+@dataclass(frozen=True)
+class Commitment:
+    """What a UGV may yet do, as others have to see it; worked out for whom it may come near."""
+
+    motion: UgvMotion
+
+    @cached_property
+    def reach(self) -> Scalar:
+        """How far it may go at most [m]."""
+        sent = self.motion.sent
+        return self.motion.reach(maximum(sent.ahead.most, sent.astern.most))
+
+    @cached_property
+    def sweep(self) -> UgvSweep:
+        """Its stop."""
+        return self.motion.committed()
+
+
 def wall_faces(arena: Arena, x: Scalar, y: Scalar, radius: float) -> tuple[tuple[float, float, Scalar], ...]:
     """(normal x, normal y, gap [m]) of the four walls."""
     b = arena.bounds
@@ -493,74 +514,91 @@ def uav_faces(
     arena: Arena,
     uav: UavState,
     tube: UavTube,
-    ugvs: tuple[tuple[UgvStop, UgvState, UgvSweep], ...],
+    ugvs: Sequence[Commitment],
 ) -> list[Face]:
     """All that the UAV must stay clear of."""
     x, y, z = uav.position.x, uav.position.y, uav.position.z
-    faces = []
-    for nx, ny, gap in wall_faces(arena, x, y, stop.radius):
-        room = gap - tube.error - tube.advance(-nx, -ny)
-        faces.append(Face(nx, ny, 0.0, gap, room, Reason.WALL))
-    low = z - stop.half_height
+    low, high = z - stop.half_height, arena.ceiling - z - stop.half_height
     sink = tube.error_up + tube.sink()
+
+    def to_thing(nx: Scalar, ny: Scalar, gap: Scalar) -> Scalar:
+        return gap - tube.error - tube.advance(-nx, -ny)
+
+    def to_ugv(nx: Scalar, ny: Scalar, gap: Scalar, one: Commitment) -> Scalar:
+        return to_thing(nx, ny, gap) - contract.position_error - one.sweep.advance(nx, ny)
+
+    faces = [
+        Face(nx, ny, 0.0, gap, to_thing(nx, ny, gap), Reason.WALL)
+        for nx, ny, gap in wall_faces(arena, x, y, stop.radius)
+    ]
     faces.append(Face(0.0, 0.0, 1.0, low, low - sink, Reason.FLOOR))
-    high = arena.ceiling - z - stop.half_height
     faces.append(Face(0.0, 0.0, -1.0, high, high - tube.error_up - tube.rise(), Reason.CEILING))
     for obstacle in arena.obstacles:
         nx, ny, far = side_of_box(obstacle.footprint, x, y)
-        gap = far - stop.radius
-        room = gap - tube.error - tube.advance(-nx, -ny)
-        above = low - obstacle.height
-        faces.append(_side_or_top(nx, ny, gap, room, above, above - sink, Reason.OBSTACLE))
-    for ugv_stop, ugv, commitment in ugvs:
-        nx, ny, far = side_of_point(x - ugv.x, y - ugv.y)
-        gap = far - stop.radius - ugv_stop.radius
-        room = (
-            gap - tube.error - contract.position_error - tube.advance(-nx, -ny) - commitment.advance(nx, ny)
-        )
-        above = low - ugv_stop.height
-        faces.append(_side_or_top(nx, ny, gap, room, above, above - sink, Reason.VEHICLE))
+        gap, above = far - stop.radius, low - obstacle.height
+        beside = partial(to_thing, nx, ny, gap)
+        faces.append(_side_or_top(nx, ny, gap, beside, above, above - sink, Reason.OBSTACLE))
+    for one in ugvs:
+        ugv = one.motion
+        nx, ny, far = side_of_point(x - ugv.ugv.x, y - ugv.ugv.y)
+        gap, above = far - stop.radius - ugv.stop.radius, low - ugv.stop.height
+        beside = partial(to_ugv, nx, ny, gap, one)
+        faces.append(_side_or_top(nx, ny, gap, beside, above, above - sink, Reason.VEHICLE))
     return faces
 
 
 def _side_or_top(
-    nx: Scalar, ny: Scalar, gap: Scalar, room: Scalar, above: Scalar, room_above: Scalar, reason: Reason
+    nx: Scalar,
+    ny: Scalar,
+    gap: Scalar,
+    beside: Callable[[], Scalar],
+    above: Scalar,
+    room_above: Scalar,
+    reason: Reason,
 ) -> Face:
-    """Beside or above is enough: the roomier of the two."""
+    """Beside or above is enough: the roomier of the two. Beside there is never more room than the gap."""
     zero = 0.0 * nx
+    room = beside() if matters(negate(room_above >= gap)) else zero - FREE
     x, y, z = where(room_above > room, (zero, zero, 1.0 + zero), (nx, ny, zero))
     return Face(x, y, z, maximum(gap, above), maximum(room, room_above), reason)
 
 
 def ugv_faces(
     contract: Contract,
-    stop: UgvStop,
+    motion: UgvMotion,
+    reach: Scalar,
     arena: Arena,
-    ugv: UgvState,
-    others: tuple[tuple[UgvStop, UgvState, UgvSweep], ...],
+    others: Sequence[Commitment],
     uav: tuple[UavStop, UavState, UavTube],
 ) -> list[Face]:
-    """All that a UGV must stay clear of; the room does not yet count its own way, which its command decides."""
+    """All that a UGV must stay clear of that may go as far as `reach` [m].
+
+    The room does not yet count its own way, which its command decides.
+    """
+    stop, ugv, error = motion.stop, motion.ugv, contract.position_error
     faces = []
-    error = contract.position_error
     for nx, ny, gap in wall_faces(arena, ugv.x, ugv.y, stop.radius):
         faces.append(Face(nx, ny, 0.0, gap, gap - error, Reason.WALL))
     for obstacle in arena.obstacles:
         nx, ny, far = side_of_box(obstacle.footprint, ugv.x, ugv.y)
         gap = far - stop.radius
         faces.append(Face(nx, ny, 0.0, gap, gap - error, Reason.OBSTACLE))
-    for other_stop, other, commitment in others:
-        nx, ny, far = side_of_point(ugv.x - other.x, ugv.y - other.y)
-        gap = far - stop.radius - other_stop.radius
-        room = gap - 2.0 * error - commitment.advance(nx, ny)
-        faces.append(Face(nx, ny, 0.0, gap, room, Reason.VEHICLE))
+    for other in others:
+        nx, ny, far = side_of_point(ugv.x - other.motion.ugv.x, ugv.y - other.motion.ugv.y)
+        gap = far - stop.radius - other.motion.stop.radius
+        room = gap - 2.0 * error
+        # The two cannot meet, however the other turns: then by how much is all the same.
+        apart = room - other.reach > reach
+        way = other.sweep.advance(nx, ny) if matters(negate(apart)) else other.reach
+        faces.append(Face(nx, ny, 0.0, gap, room - way, Reason.VEHICLE))
     uav_stop, state, uav_tube = uav
     nx, ny, far = side_of_point(ugv.x - state.position.x, ugv.y - state.position.y)
     gap = far - stop.radius - uav_stop.radius
-    room = gap - error - uav_tube.error - uav_tube.advance(nx, ny)
     above = state.position.z - uav_stop.half_height - stop.height
     # To stay above is the UAV's own affair; it is a UGV's not to drive under one that is coming down.
     over = above - uav_tube.error_up - uav_tube.sink() >= 0.0
-    room = where(over, 0.0 * room + FREE, room)
+    room = cond(
+        over, lambda: 0.0 * gap + FREE, lambda: gap - error - uav_tube.error - uav_tube.advance(nx, ny)
+    )
     faces.append(Face(nx, ny, 0.0, maximum(gap, above), room, Reason.VEHICLE))
     return faces

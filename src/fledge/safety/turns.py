@@ -18,6 +18,7 @@ from fledge.geometry import Heading, Vec3
 from fledge.safety.contract import Contract, UavStop, UgvStop
 from fledge.safety.tube import (
     FREE,
+    Commitment,
     Face,
     Pace,
     Sent,
@@ -124,12 +125,17 @@ class Deciding(Protocol):
         """How each UGV stops."""
         ...
 
+    @property
+    def reserve(self) -> float:
+        """Room that a UGV leaves unused [m]."""
+        ...
+
     def decide_uav(self, turn: UavTurn) -> tuple[Scalar, Vec3]:
         """(whether something may be sent, what: a velocity in world axes); else the UAV brakes and holds."""
         ...
 
     def decide_ugv(self, stop: UgvStop, turn: UgvTurn) -> tuple[Scalar, Scalar]:
-        """(whether something may be sent, what: a speed); else the UGV stops."""
+        """(whether something may be sent, what: a speed, no faster than proposed); else the UGV stops."""
         ...
 
 
@@ -152,22 +158,21 @@ def in_turn(
         UgvMotion.of(net.contract, stop, ugv, sent, world.t - ugv.stamp)
         for stop, ugv, sent in zip(net.ugvs, world.ugvs, memory.ugvs, strict=True)
     ]
-    commitments = [motion.committed() for motion in motions]
-    around = tuple(zip(net.ugvs, world.ugvs, commitments, strict=True))
-    faces = uav_faces(net.contract, net.uav, memory.arena, world.uav, tube, around)
+    commitments = [Commitment(motion) for motion in motions]
+    faces = uav_faces(net.contract, net.uav, memory.arena, world.uav, tube, commitments)
     uav, tube, verdict = _uav(net, memory.uav, world, commands.uav, tube, faces)
     # A UAV that was not seen for long may have been told to land: nobody drives under it.
     landing = where(age <= 2.0 * net.contract.age, 0.0 * age, -FREE)
     tube = tube.moved(Vec3(0.0 * landing, 0.0 * landing, landing))
     remembered, verdicts = [], [verdict]
-    for i, (stop, ugv) in enumerate(zip(net.ugvs, world.ugvs, strict=True)):
-        others = [(net.ugvs[j], world.ugvs[j], commitments[j]) for j in range(len(net.ugvs)) if j != i]
-        faces = ugv_faces(net.contract, stop, memory.arena, ugv, tuple(others), (net.uav, world.uav, tube))
-        one, verdict = _ugv(net, motions[i], world.t, commands.ugvs[i], faces)
-        if i + 1 < len(net.ugvs):  # who comes last is minded by nobody
-            motion = UgvMotion.of(net.contract, stop, ugv, one, world.t - ugv.stamp)
-            commitments[i] = motion.committed()
-        remembered.append(one)
+    for i, motion in enumerate(motions):
+        others = [*commitments[:i], *commitments[i + 1 :]]
+        stop, ugv, proposed = motion.stop, motion.ugv, commands.ugvs[i]
+        reach = motion.reach(minimum(abs(proposed.forward), stop.most)) + net.reserve
+        faces = ugv_faces(net.contract, motion, reach, memory.arena, others, (net.uav, world.uav, tube))
+        sent, verdict = _ugv(net, motion, reach, world.t, proposed, faces)
+        commitments[i] = Commitment(UgvMotion.of(net.contract, stop, ugv, sent, world.t - ugv.stamp))
+        remembered.append(sent)
         verdicts.append(verdict)
     return Memory(memory.arena, uav, tuple(remembered)), tuple(verdicts)
 
@@ -321,7 +326,12 @@ def _adrift(faces: list[Face], age: Scalar) -> Vec3:
 
 
 def _ugv(
-    net: Deciding, motion: UgvMotion, t: Scalar, proposed: VelocityCommand, faces: list[Face]
+    net: Deciding,
+    motion: UgvMotion,
+    reach: Scalar,
+    t: Scalar,
+    proposed: VelocityCommand,
+    faces: list[Face],
 ) -> tuple[UgvSent, Verdict]:
     stop, ugv, memory = motion.stop, motion.ugv, motion.sent
     age = t - ugv.stamp
@@ -330,13 +340,12 @@ def _ugv(
     number, fresh = isfinite(forward + turn), _fresh(net.contract, age)
     known = number & fresh & isfinite(ugv.x + ugv.y + ugv.heading + ugv.speed + ugv.turn_rate)
     zero = 0.0 * memory.left.most
-    reach = motion.reach()
     gap, faces = _gap(faces), _near(faces, reach)
 
     def swept(turn: Scalar) -> tuple[Scalar, tuple[tuple[Scalar, Scalar], ...], tuple[Scalar, ...]]:
         go = motion.told(forward, turn)
         shares = tuple(
-            # No way that it may be told to go leads farther.
+            # Nothing that it may be told leads farther.
             cond(face.room > reach, lambda: (zero, zero), partial(go.shares, -face.x, -face.y))
             for face in faces
         )
