@@ -130,6 +130,17 @@ def test_what_a_person_demonstrates_is_data_of_the_manoeuvres_axes():
     assert flown.shown[-1].commanders == ("person", "guidance", "guidance", "guidance")
 
 
+def test_a_persons_sticks_count_in_the_next_tick_and_a_row_has_their_mean():
+    flown = aloft(Person(), FixedAltitude()).go(1.0).go(0.02).go(0.03, action=FULL)
+    sent = [shown.decisions[0].verdict.command for shown in flown.shown[-5:]]
+    full = FULL.forward * StickScale().horizontal
+    assert [command.forward for command in sent] == pytest.approx([0.0, 0.0, full, full, full])
+    row = flown.shown[-1].row
+    assert row.action.forward == row.action.left == pytest.approx(0.6 * FULL.forward)
+    assert row.action.up == row.action.turn == 0.0
+    assert row.proposed.uav == StickScale().command(row.action)
+
+
 def test_a_person_who_falls_silent_hovers_and_goes_on():
     flown = aloft(Person(), FixedAltitude()).go(1.5, action=FULL)
     fast = flown.speed

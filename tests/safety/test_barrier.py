@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from aloft import HALL, HOVER, always, fly, world
+from aloft import HALL, HOVER, SPREAD, always, fly, world
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -10,6 +10,7 @@ from fledge.dynamics import P3_DX
 from fledge.geometry import Box
 from fledge.safety import Barrier, UgvStop
 from fledge.safety.barrier import HalfPlane, nearest
+from fledge.safety.tube import UgvMotion, UgvSent
 from fledge.world import Arena, Commands, VelocityCommand
 
 ANGLES, BOUNDS = st.floats(0.0, 2.0 * np.pi), st.floats(-1.0, 0.2)
@@ -75,6 +76,19 @@ def test_the_speed_of_a_ugv_uses_up_the_room_but_for_a_reserve():
         for share in (1.0, 0.4):
             v = net._speed(room, share, stop)
             assert share * (v * stop.hold_over + v * v / (2.0 * braking) + net.reserve) == pytest.approx(room)
+
+
+def test_the_reserve_is_kept_before_what_is_just_out_of_reach():
+    net, told = Barrier(), 0.5
+    stop, start = net.ugvs[0], world()
+    for beyond, most in ((0.02, 0.49), (0.06, told)):
+        reach = UgvMotion.of(net.contract, stop, start.ugvs[0], UgvSent.nothing(0.0), 0.0).reach(told)
+        x = 5.0 - stop.radius - net.contract.position_error - reach - beyond
+        seen = world(ugvs=((x, -4.8 + stop.radius, 0.0), *SPREAD[1:]))  # a wall at its side, too
+        commands = Commands(HOVER, (VelocityCommand(told, 0.0, 0.0, 0.0), HOVER, HOVER))
+        _, verdicts = net.filter(net.init(HALL, seen), seen, commands)
+        assert 0.4 < verdicts[1].command.forward <= most
+        assert verdicts[1].intervened == (most < told)
 
 
 def test_a_face_that_a_ugv_does_not_go_to_does_not_slow_it_down():

@@ -5,10 +5,10 @@ vehicles. Between them stands a supervisor with its net, as in the lab, so a per
 vehicle in any tick. Scene and chance are those of `fledge demonstrate` with the same seed and number: the person flies
 what the synthetic operator flew, and a row is the same `Episode`.
 
-**Who is the pilot.** A pilot of ours, or a person. A person's sticks are then the pilot's action: sampled 20 times a
-second, on the manoeuvre's axes alone, proposed to the supervisor like any other's. It is as old as the last word heard
-of them, so the supervisor misses a person as it misses a policy: it brakes and holds. To fly by hand on all axes, the
-person uses the take-over switch, whoever the pilot is.
+**Who is the pilot.** A pilot of ours, or a person. A person's sticks are then the pilot's action, on the manoeuvre's
+axes alone, proposed to the supervisor like any other's; they count in the next tick, and a row's action is their mean
+over its ticks. It is as old as the last word heard of them, so the supervisor misses a person as it misses a policy: it
+brakes and holds. To fly by hand on all axes, the person uses the take-over switch, whoever the pilot is.
 
 What a person sees is the page, with its own delay; so nothing is simulated of a camera's, and what a row says was seen
 is what there was to be seen. Else each flight's own delay, which no person saw, would stand between picture and sticks.
@@ -20,7 +20,9 @@ row the UGVs keep their last formation. A UAV whose motors are off stays where i
 A row counts as the pilot's (`Shown.flown`) only if the pilot flew in all of it, and a person was heard throughout.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
+from statistics import fmean
 from typing import Any, NamedTuple, cast
 
 import jax
@@ -35,7 +37,7 @@ from fledge.episode import Episode, Flight, over
 from fledge.faults.injection import GROUND
 from fledge.geometry import Vec3
 from fledge.manoeuvres import AbstractManoeuvre, FormationTrack
-from fledge.observation import Action, Axes, Observation
+from fledge.observation import ACTION_NAMES, Action, Axes, Observation
 from fledge.pilots import AbstractPilot
 from fledge.pilots.base import Noise
 from fledge.pytrees import register
@@ -97,8 +99,6 @@ class Memory(NamedTuple):
     """As the row began."""
     decided: Decided
     """For this row."""
-    age: float
-    """Of that, as the row began [s]."""
     armed: float
     """As the row began."""
     world: WorldState
@@ -107,6 +107,8 @@ class Memory(NamedTuple):
     supervision: Supervision
     history: tuple[tuple[Decision, ...], ...] = ()
     """The decisions of the row's ticks so far."""
+    said: tuple[Action, ...] = ()
+    """What a person said who is the pilot, in these ticks."""
     heard: bool = True
     """Whether a person was, in all of them."""
     way: int = 0
@@ -171,13 +173,14 @@ class Live:
         """Above the formation, nobody having said anything."""
         state = start(self.case, self.crew, self.rig)
         supervision = self.supervisor.init(self.case.plan.arena, state.world)
-        decided = self._decided(state, 0, HANDS_OFF)
-        return Memory(0, state, decided, 0.0, 0.0, state.world, state.uav, supervision)
+        return Memory(0, state, self._decided(state, 0), 0.0, state.world, state.uav, supervision)
 
     def tick(self, memory: Memory, spoken: Spoken) -> tuple[Memory, Shown]:
         """10 ms later, with what people said."""
         if not memory.history:
             memory = self._begun(memory, spoken)
+        if self._by_person:
+            memory = self._steered(memory, spoken.action)
         supervision, decisions = self.supervisor.step(memory.supervision, self._inputs(memory, spoken))
         t = (memory.ticks + 1) * TICK
         uav, world = self._flown(memory, decisions, t)
@@ -223,22 +226,33 @@ class Live:
     def _target(self, way: int) -> FormationTrack:
         return self.targets[min(way, len(self.targets) - 1)]
 
-    def _decided(self, state: FlightState, way: int, said: Action) -> Decided:
-        crew = replace(self.crew, pilot=Person(said)) if self._by_person else self.crew
+    def _decided(self, state: FlightState, way: int) -> Decided:
         noise = self.chance[int(state.row) % len(self.chance)]
-        return decide(state, self._target(way), noise, (self.case, crew, self.rig))
+        return decide(state, self._target(way), noise, (self.case, self.crew, self.rig))
 
     def _begun(self, memory: Memory, spoken: Spoken) -> Memory:
         """With the decision for a new row."""
         return memory._replace(
-            decided=self._decided(memory.state, memory.way, spoken.action),
-            age=spoken.silent if self._by_person else 0.0,
+            decided=self._decided(memory.state, memory.way),
             armed=spoken.operators[0].arm,
+            said=(),
             heard=True,
         )
 
+    def _steered(self, memory: Memory, said: Action) -> Memory:
+        """With what a person says now."""
+        action = said.only(self.crew.axes)
+        decided = self._asked(memory.decided, action)
+        return memory._replace(decided=decided, said=(*memory.said, action))
+
+    def _asked(self, decided: Decided, action: Action) -> Decided:
+        """The same, but for what the pilot wants."""
+        commands = replace(decided.commands, uav=self.rig.sticks.command(action))
+        return decided._replace(action=action, commands=commands)
+
     def _inputs(self, memory: Memory, spoken: Spoken) -> Inputs:
-        now, decided = memory.world.t, memory.state.world.t - memory.age
+        now = memory.world.t
+        decided = now - spoken.silent if self._by_person else memory.state.world.t
         operators = tuple(replace(one, arm=memory.armed) for one in spoken.operators)
         if self._by_person:  # whose sticks are the pilot's: moving them takes nothing over
             operators = (without_sticks(operators[0]), *operators[1:])
@@ -269,6 +283,8 @@ class Live:
 
     def _row(self, memory: Memory) -> Episode:
         d, vehicles = memory.decided, zip(*memory.history, strict=True)
+        if memory.said:
+            d = self._asked(d, mean(memory.said))
         verdicts = tuple(over([one.verdict for one in decisions]) for decisions in vehicles)
         spread = self._target(memory.way).spread
         return Episode(memory.state.world, d.seen, d.action, d.commands, verdicts, spread)
@@ -288,6 +304,11 @@ class Live:
         )
         somebody = all(decisions[0].mode in FLOWN for decisions in memory.history)
         return memory._replace(state=state, history=(), way=memory.way + somebody)
+
+
+def mean(actions: Sequence[Action]) -> Action:
+    """Stick by stick."""
+    return Action(*(fmean(getattr(action, name) for action in actions) for name in ACTION_NAMES))
 
 
 def without_sticks(operator: Operator) -> Operator:
