@@ -44,6 +44,15 @@ export class Fly {
     });
   }
 
+  // A flight that another process flies can be joined, and no more.
+  get #isOurs() {
+    return !this.#link.latest.welcome?.worlds.includes("attached");
+  }
+
+  #join(flight) {
+    for (const id of ["manoeuvre", "pilot", "net"]) choices($(id), [flight[id]], title, []);
+  }
+
   #offer({ tasks, pilots, nets, worlds }, before) {
     const names = tasks.map(({ name }) => name);
     choices($("manoeuvre"), names, title, [before.manoeuvre, PREFERRED.manoeuvre]);
@@ -55,10 +64,11 @@ export class Fly {
 
   #allow() {
     const { welcome, flight, seat } = this.#link.latest;
-    // A flight that another process flies can be joined, and no more.
-    const isOurs = !welcome?.worlds.includes("attached");
+    const isOurs = this.#isOurs;
     const isMine = isOurs && seat?.seat === "mine";
     const isUnder = flight?.state === "running" || flight?.state === "paused";
+    if (!isOurs && flight) this.#join(flight);
+    for (const id of [...CHOSEN, "record-flight"]) $(id).disabled = !isOurs;
     $("start").disabled = !welcome || !isOurs || !maySit(this.#link);
     $("pause").disabled = !isMine || !isUnder;
     $("reset").disabled = !isMine || !flight || flight.state === "none";
