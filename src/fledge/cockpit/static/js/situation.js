@@ -2,7 +2,9 @@
 // changes. The vehicle is the one whose sticks this page has; one may choose another.
 
 import { $, icon, make, say } from "./page.js";
-import { MODES, commander, layer, why } from "./words.js";
+import { MODES, commander, layer, noted, why } from "./words.js";
+
+const GROUNDED = new Set(["INIT", "READY"]);
 
 export function startSituation(link, sticks) {
   const choose = (vehicle) => {
@@ -46,7 +48,10 @@ function show({ flight, frame }, chosen) {
   $("situation").dataset.commander = who;
   const isMine = mode === "AUTO" && who === "person";
   const calm = isMine ? "The sticks are obeyed." : meaning;
-  say($("why"), reason === "NONE" ? calm : why(reason), reason);
+  // On the ground what is missing comes first, in the air what the vehicle is kept from.
+  const because = reason === "NONE" ? "" : why(reason);
+  const note = noted(frame.note);
+  say($("why"), (GROUNDED.has(mode) ? note || because : because || note) || calm, reason);
   $("why").title = $("why").textContent;
   $("why").dataset.layer = layer(reason);
   [...$("vehicles").children].forEach((button, vehicle) => {

@@ -70,6 +70,21 @@ export const WORLDS = { simulator: "Simulator", twin: "Digital twin", attached: 
 export const AXES = ["forward", "left", "up", "turn"];
 
 // "fixed-altitude" -> "Fixed altitude", "policies/primitive-003.onnx" -> "primitive-003".
+// How far a flight is that another process flies; whatever else it notes is what it lacks.
+const PHASES = {
+  wait: "Waits to be armed.",
+  "take-off": "Takes off.",
+  climb: "Climbs.",
+  join: "Comes to its place over the UGVs.",
+  fly: "",
+  land: "Lands.",
+  over: "The flight is over.",
+};
+
+export function noted(note) {
+  return PHASES[note] ?? note;
+}
+
 export function title(name) {
   if (/[/.]/.test(name) || !name) return name.split("/").at(-1).replace(/\.onnx$/, "");
   const words = name.replaceAll(/[-_]/g, " ");
