@@ -95,9 +95,9 @@ def flown(flights: list[Flight], combined: list[Flight], study: Study) -> Score:
 
 def next_one(values: list[float]) -> tuple[float, float]:
     """The interval in which one more of a kind would lie, with 95 %."""
-    n, spread = len(values), stdev(values)
-    reach = float(t.ppf(0.975, n - 1)) * spread * (1.0 + 1.0 / n) ** 0.5
-    return fmean(values) - reach, fmean(values) + reach
+    n = len(values)
+    low, high = t.interval(0.95, n - 1, fmean(values), stdev(values) * (1.0 + 1.0 / n) ** 0.5)
+    return float(low), float(high)
 
 
 def main() -> None:

@@ -171,7 +171,8 @@ def in_turn(
         reach = motion.reach(minimum(abs(proposed.forward), stop.most)) + net.reserve
         faces = ugv_faces(net.contract, motion, reach, memory.arena, others, (net.uav, world.uav, tube))
         sent, verdict = _ugv(net, motion, reach, world.t, proposed, faces)
-        commitments[i] = Commitment(UgvMotion.of(net.contract, stop, ugv, sent, world.t - ugv.stamp))
+        if i + 1 < len(motions):  # who comes last is minded by nobody
+            commitments[i] = Commitment(UgvMotion.of(net.contract, stop, ugv, sent, world.t - ugv.stamp))
         remembered.append(sent)
         verdicts.append(verdict)
     return Memory(memory.arena, uav, tuple(remembered)), tuple(verdicts)

@@ -107,8 +107,8 @@ def examine(
 
 def compile_ahead(pilot: AbstractPilot, nets: Sequence[str], rows: int, rig: Rig = Rig()) -> None:
     """Begin to compile what `examine` will need for flights of so many rows; of a network only the shape counts."""
-    for net in nets:
-        for kind, (cases, keys) in trials(1, 1, 0, rows).items():
+    for kind, (cases, keys) in trials(1, 1, 0, rows).items():
+        for net in nets:
             prepare(cases, Crew(pilot, AXES[kind], NAMED[net]), keys, rig, watched)
 
 
