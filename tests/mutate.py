@@ -99,6 +99,7 @@ CLAUSES: dict[str, list[tuple[str, str]]] = {
         ("negate(room_above >= gap)", "negate(room_above >= 0.0)"),
         ("room = gap - 2.0 * error", "room = gap + 1e3"),
         ("room - way, Reason.VEHICLE", "room, Reason.VEHICLE"),
+        ("isfinite(gap) & (room - other.reach > reach)", "room - other.reach > reach"),
         ("room - other.reach > reach", "room > reach"),
         ("room - other.reach > reach", "room > other.reach"),
         (
@@ -166,7 +167,8 @@ CLAUSES: dict[str, list[tuple[str, str]]] = {
         ("slowest = maximum(slowest, -self._speed(room, backwards, stop))", "pass"),
         ("return turn.known, clip", "return True, clip"),
         ("room - self.reserve * share", "room"),
-        ("where(share > TINY, maximum(room", "where(share > -1.0, maximum(room"),
+        ("where(share <= TINY, FREE,", "where(share <= -1.0, FREE,"),
+        ("where(share <= TINY, FREE,", "where((share <= TINY) | (share != share), FREE,"),
         ("inside = inside & (plane.lacks(cx, cy) <= TINY)", "pass"),
         ("better = inside & (far < best)", "better = inside"),
     ],

@@ -295,6 +295,16 @@ def test_one_lost_ugv_does_not_stop_those_far_above(net):
 
 
 @BOTH
+@pytest.mark.parametrize("nowhere", (nan, inf, -inf))
+def test_no_ugv_drives_while_nobody_knows_where_another_is(net, nowhere):
+    go, start = replace(AHEAD, forward=0.3), world()
+    lost = replace(start, ugvs=(replace(start.ugvs[0], x=nowhere), *start.ugvs[1:]))
+    for seen, forward in ((start, 0.3), (lost, 0.0)):
+        _, verdicts = net.filter(net.init(HALL, start), seen, Commands(HOVER, (go,) * 3))
+        assert [verdict.command.forward for verdict in verdicts[2:]] == [forward] * 2
+
+
+@BOTH
 def test_commands_beyond_the_sticks_are_held_to_them(net):
     start = world()
     _, verdicts = net.filter(

@@ -105,7 +105,8 @@ class Barrier(AbstractNet):
     def _speed(self, room: Scalar, share: Scalar, stop: UgvStop) -> Scalar:
         """The speed [m/s] whose holding over and braking, of which `share` leads to a face, uses up the room [m]."""
         braking = stop.acceleration - self.contract.disturbance
-        way = where(share > TINY, maximum(room - self.reserve * share, 0.0) / maximum(share, TINY), FREE)
+        # A share that is no number is not a share of nothing.
+        way = where(share <= TINY, FREE, maximum(room - self.reserve * share, 0.0) / maximum(share, TINY))
         return braking * (sqrt(stop.hold_over**2 + 2.0 * way / braking) - stop.hold_over)
 
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from fledge.geometry import Box, Heading, Vec3
 from fledge.safety.contract import Contract, UavStop, UgvStop
-from fledge.scalars import Scalar, clip, cond, exp, matters, maximum, minimum, negate, sqrt, where
+from fledge.scalars import Scalar, clip, cond, exp, isfinite, matters, maximum, minimum, negate, sqrt, where
 from fledge.world import Arena, Reason, UavState, UgvState
 
 TINY = 1e-9
@@ -587,8 +587,8 @@ def ugv_faces(
         nx, ny, far = side_of_point(ugv.x - other.motion.ugv.x, ugv.y - other.motion.ugv.y)
         gap = far - stop.radius - other.motion.stop.radius
         room = gap - 2.0 * error
-        # The two cannot meet, however the other turns: then by how much is all the same.
-        apart = room - other.reach > reach
+        # The two cannot meet, however the other turns: then by how much is all the same. Infinitely far is no place.
+        apart = isfinite(gap) & (room - other.reach > reach)
         way = other.sweep.advance(nx, ny) if matters(negate(apart)) else other.reach
         faces.append(Face(nx, ny, 0.0, gap, room - way, Reason.VEHICLE))
     uav_stop, state, uav_tube = uav
