@@ -132,9 +132,9 @@ def cond(condition: Scalar, yes: Callable[[], Any], no: Callable[[], Any]) -> An
     return where(condition, yes(), no())
 
 
-def matters(condition: Scalar) -> bool:
-    """Whether to look at something at all: plain numbers say it, a compiled program has to look at everything."""
-    return condition if isinstance(condition, bool) else True
+def surely(condition: Scalar) -> bool:
+    """Whether a condition is known to hold, so that something can be left out; in a compiled program never."""
+    return condition is True
 
 
 def stack(values: Sequence[Scalar], like: Any) -> Any:

@@ -1,7 +1,7 @@
 """The geometry of stops."""
 
 from dataclasses import replace
-from math import cos, nan, pi, sin
+from math import cos, inf, nan, pi, sin
 
 import pytest
 from aloft import HALL, SPREAD, world
@@ -12,25 +12,27 @@ from fledge.dynamics import P3_DX
 from fledge.geometry import Box, Heading, Vec3
 from fledge.safety import Contract, UavStop, UgvStop
 from fledge.safety.tube import (
-    Commitment,
     Face,
     Held,
     Pace,
     Phases,
     Sent,
     Turn,
+    UavCommitment,
     UavTube,
+    UgvCommitment,
     UgvMotion,
     UgvSent,
     UgvSweep,
     UgvTube,
+    around_uav,
+    around_ugv,
+    pending,
     side_of_box,
-    uav_faces,
     uav_tube,
-    ugv_faces,
     within,
 )
-from fledge.world import Obstacle, Reason, UgvState, VelocityCommand
+from fledge.world import Obstacle, Reason, UavState, UgvState, VelocityCommand
 
 C, UAV, UGV = Contract(), UavStop(), UgvStop.of(P3_DX)
 NOTHING = Sent.nothing(C, 0.0)
@@ -56,27 +58,30 @@ def ordered(*speeds: float, turn: float = 0.0) -> UgvSent:
     return line
 
 
-def pending(line: Sent, periods: float) -> tuple[float, float]:
-    return line.pending(within(periods, len(line.newest)), SHARE)
+def upwards(line: Sent, periods: float) -> tuple[float, float]:
+    """Of a UAV that was sent this upwards."""
+    nothing, other, found = pending((NOTHING, NOTHING, line), within(periods, len(line.newest)), SHARE)
+    assert nothing == other == (0.0, 0.0)
+    return found
 
 
 def test_commands_on_their_way_count_for_as_long_as_they_will_last():
     line = sent(0.3, 0.2, 1.0)
-    assert pending(line, 0.0)[0] == 0.0
-    assert pending(line, 1.0)[0] == pytest.approx(1.0)
-    assert pending(line, 2.5)[0] == pytest.approx(1.0 + 0.2 + 0.15)
-    assert pending(line, 99.0)[0] == pytest.approx(1.5)
+    assert upwards(line, 0.0)[0] == 0.0
+    assert upwards(line, 1.0)[0] == pytest.approx(1.0)
+    assert upwards(line, 2.5)[0] == pytest.approx(1.0 + 0.2 + 0.15)
+    assert upwards(line, 99.0)[0] == pytest.approx(1.5)
 
 
 def test_a_filter_follows_what_has_acted_already():
     steady = sent(*[0.8] * 200)
-    assert pending(steady, 10.0)[1] == pytest.approx(0.8, abs=0.01)
-    assert pending(sent(*[0.0] * 50, *[1.0] * 3), 3.0)[1] == 0.0
+    assert upwards(steady, 10.0)[1] == pytest.approx(0.8, abs=0.01)
+    assert upwards(sent(*[0.0] * 50, *[1.0] * 3), 3.0)[1] == 0.0
 
 
 def test_a_filter_remembers_beyond_its_line():
     line = sent(1.0, *[0.0] * 12)
-    assert 0.0 < pending(line, 0.0)[1] < SHARE
+    assert 0.0 < upwards(line, 0.0)[1] < SHARE
 
 
 @given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=200))
@@ -141,11 +146,12 @@ def test_a_uav_may_not_have_heard_its_newest_commands(missed):
 
     def unheard(x, y, z):
         rests = (Vec3(0.0, 0.0, 0.0),)
-        return UavTube(rests, 0.1, 0.1).unheard((x, y, z), C.period, UAV.hold_over)
+        return UavCommitment.of(UavTube(rests, 0.1, 0.1), (x, y, z), C.period, UAV.hold_over)
 
     tube, turned = unheard(one, other, one), unheard(other, one, other)
-    assert [tube.advance(1.0, 0.0), turned.advance(0.0, 1.0), tube.rise()] == pytest.approx([on] * 3)
+    assert [tube.advance(1.0, 0.0), turned.advance(0.0, 1.0)] == pytest.approx([on] * 2)
     assert [tube.advance(0.0, -1.0), turned.advance(-1.0, 0.0), turned.sink()] == pytest.approx([back] * 3)
+    assert turned.sinking(0.7).sink() == pytest.approx(back + 0.7)
     if not missed:  # heard in time, it stays
         assert tube.advance(-1.0, 0.0) == tube.sink() == 0.0
 
@@ -231,7 +237,7 @@ def test_whatever_it_was_told_a_ugv_stays_within_its_reach(seen, told, age):
     orders = NO_ORDERS
     for command in told:
         orders = orders.then(C, UGV, *command, C.period)
-    one = Commitment(UgvMotion.of(C, UGV, UgvState(0.0, 0.0, 0.0, *seen, 0.0), orders, age))
+    one = UgvCommitment(UgvMotion.of(C, UGV, UgvState(0.0, 0.0, 0.0, *seen, 0.0), orders, age))
     ways = [one.sweep.advance(cos(pi * k / 12), sin(pi * k / 12)) for k in range(24)]
     assert max(ways) <= one.reach + 1e-9
 
@@ -269,14 +275,20 @@ def test_a_nose_may_still_chase_a_turn_it_was_told_before():
     )
 
 
-def face_of_another(x: float, reach: float) -> tuple[Face, Commitment]:
+def hovering(uav: UavState) -> tuple[UavStop, UavState, UavCommitment]:
+    """A UAV as UGVs see it that was told nothing yet."""
+    tube = uav_tube(C, UAV, uav, (NOTHING,) * 3, STANDING, 0.0)
+    return UAV, uav, UavCommitment.of(tube, (NOTHING,) * 3, C.period, UAV.hold_over)
+
+
+def face_of_another(x: float, reach: float) -> tuple[Face, UgvCommitment]:
     """What a UGV at the origin sees of one that drives towards it from x [m], and what that is committed to."""
     me, other = (
         UgvMotion.of(C, UGV, state, ordered(0.3), 0.0)
         for state in (UgvState(0.0, 0.0, 0.0, 0.0, 0.0, 0.0), UgvState(x, 0.0, pi, 0.3, 0.0, 0.0))
     )
-    uav, commitment = uav_tube(C, UAV, world().uav, (NOTHING,) * 3, STANDING, 0.0), Commitment(other)
-    *_, face, _ = ugv_faces(C, me, reach, HALL, (commitment,), (UAV, world().uav, uav))
+    commitment = UgvCommitment(other)
+    (face,) = around_ugv(C, me, reach, HALL, (commitment,), hovering(world().uav)).faces
     assert face.gap == pytest.approx(x - 2.0 * UGV.radius)
     return face, commitment
 
@@ -403,11 +415,15 @@ def test_beside_or_above_is_enough():
     for obstacle, z in ((tall, 0.0), (low, 1.0)):
         arena = replace(HALL, obstacles=(obstacle,))
         tube = uav_tube(C, UAV, world().uav, (NOTHING,) * 3, STANDING, 0.0)
-        (face,) = [f for f in uav_faces(C, UAV, arena, world().uav, tube, ()) if f.reason == Reason.OBSTACLE]
+        (face,) = [
+            f
+            for f in around_uav(C, UAV, inf, arena, world().uav, tube, ()).faces
+            if f.reason == Reason.OBSTACLE
+        ]
         assert face.z == z
     # A little above, and far beside.
     arena = replace(HALL, obstacles=(Obstacle(Box(2.5, 3.0, -1.0, 1.0), 1.6),))
-    faces = uav_faces(C, UAV, arena, world().uav, tube, ())
+    faces = around_uav(C, UAV, inf, arena, world().uav, tube, ()).faces
     (face,) = [f for f in faces if f.reason == Reason.OBSTACLE]
     assert face.z == 0.0 and face.room > 1.0
 
@@ -417,23 +433,36 @@ def test_high_above_a_ugv_nothing_it_does_matters():
     for height, minds in ((3.0, False), (0.3, True)):
         w = world((0.9, 0.0, height))
         tube = uav_tube(C, UAV, w.uav, (NOTHING,) * 3, STANDING, 0.0)
-        *_, face = uav_faces(
-            C, UAV, HALL, w.uav, tube, (Commitment(UgvMotion.of(C, UGV, lost, NO_ORDERS, 0.0)),)
-        )
+        ugv = UgvCommitment(UgvMotion.of(C, UGV, lost, NO_ORDERS, 0.0))
+        *_, face = around_uav(C, UAV, inf, HALL, w.uav, tube, (ugv,)).faces
         assert (face.room >= 0.0) != minds and face.z == 1.0 - minds
 
 
 def test_a_ugv_minds_a_uav_only_when_it_is_low():
     for height, minds in ((3.0, False), (0.3, True)):
         w = world((-1.4, -2.0, height))
-        tube = uav_tube(C, UAV, w.uav, (NOTHING,) * 3, STANDING, 0.0)
         motion = UgvMotion.of(C, UGV, w.ugvs[0], NO_ORDERS, 0.0)
-        *_, face = ugv_faces(C, motion, 0.5, HALL, (), (UAV, w.uav, tube))
+        *_, face = around_ugv(C, motion, inf, HALL, (), hovering(w.uav)).faces
         assert (face.room < 1.0) == minds
 
 
 def test_every_wall_is_a_face():
     w = world((4.0, -3.0, 2.0), SPREAD)
     tube = uav_tube(C, UAV, w.uav, (NOTHING,) * 3, STANDING, 0.0)
-    faces = uav_faces(C, UAV, HALL, w.uav, tube, ())
-    assert sorted(round(f.gap, 2) for f in faces) == sorted([0.74, 8.74, 1.74, 7.74, 1.9, 3.9])
+    around = around_uav(C, UAV, inf, HALL, w.uav, tube, ())
+    assert sorted(round(f.gap, 2) for f in around.faces) == sorted([0.74, 8.74, 1.74, 7.74, 1.9, 3.9])
+    assert around.gap == pytest.approx(0.74)
+
+
+def test_what_is_far_is_left_out_but_for_its_gap():
+    """A box 0.2 m beyond what the UAV may reach and mind, and another in the same place but nearer."""
+    tube = uav_tube(C, UAV, world(velocity=Vec3(0.5, 0.0, 0.0)).uav, (NOTHING,) * 3, STANDING, 0.0)
+    assert tube.reach == pytest.approx(tube.error + tube.advance(1.0, 0.0))
+    edge = UAV.radius + 1.0 + tube.reach
+    for more, reasons in ((0.2, set()), (-0.2, {Reason.OBSTACLE})):
+        box = Obstacle(Box(edge + more, edge + more + 0.1, -1.0, 1.0), 9.0)
+        arena = replace(HALL, obstacles=(box,), ceiling=40.0)
+        high = world((0.0, 0.0, 6.0))
+        around = around_uav(C, UAV, 1.0, arena, high.uav, tube, ())
+        assert {face.reason for face in around.faces} - {Reason.FLOOR} == reasons
+        assert around.gap == pytest.approx(edge + more - UAV.radius)

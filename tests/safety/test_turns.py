@@ -10,7 +10,7 @@ from aloft import HALL, HOVER, SPREAD, STILL, always, fly, world
 
 from fledge.geometry import Box, Quat, Vec3
 from fledge.pytrees import register
-from fledge.safety import Barrier, StopTube, UgvStop, tube, turns
+from fledge.safety import Barrier, StopTube, UgvStop, tube
 from fledge.safety.tube import Pace, UgvSent, uav_error
 from fledge.safety.turns import UavTurn, UgvTurn, in_turn
 from fledge.world import Commands, Obstacle, Reason, UavState, UgvState, VelocityCommand, WorldState
@@ -129,8 +129,7 @@ def test_what_is_too_far_to_be_looked_at_would_have_changed_nothing(net, seed, m
         seen, commands = anywhere(rng, 0.01 * tick)
         after, verdicts = net.filter(memory, seen, commands)
         with monkeypatch.context() as patch:
-            for module in (tube, turns):
-                patch.setattr(module, "matters", lambda condition: True)
+            patch.setattr(tube, "surely", lambda condition: False)
             whole, others = net.filter(memory, seen, commands)
         assert after == whole
         for one, other in zip(verdicts, others, strict=True):
@@ -295,10 +294,13 @@ def test_one_lost_ugv_does_not_stop_those_far_above(net):
 
 
 @BOTH
-@pytest.mark.parametrize("nowhere", (nan, inf, -inf))
-def test_no_ugv_drives_while_nobody_knows_where_another_is(net, nowhere):
-    go, start = replace(AHEAD, forward=0.3), world()
-    lost = replace(start, ugvs=(replace(start.ugvs[0], x=nowhere), *start.ugvs[1:]))
+@pytest.mark.parametrize("value", (nan, inf, -inf))
+@pytest.mark.parametrize("of", ("x", "y", "heading", "speed", "turn_rate"))
+def test_no_ugv_drives_towards_one_of_which_nobody_knows_what_it_does(net, of, value):
+    """However far they are apart."""
+    go = replace(AHEAD, forward=0.3)
+    start = world(ugvs=((0.0, 0.0, 0.0), (-3.0, 0.0, 0.0), (2.0, 2.0, -2.356)))
+    lost = replace(start, ugvs=(replace(start.ugvs[0], **{of: value}), *start.ugvs[1:]))
     for seen, forward in ((start, 0.3), (lost, 0.0)):
         _, verdicts = net.filter(net.init(HALL, start), seen, Commands(HOVER, (go,) * 3))
         assert [verdict.command.forward for verdict in verdicts[2:]] == [forward] * 2

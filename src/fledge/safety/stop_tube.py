@@ -12,7 +12,7 @@ commands, NaN included, nothing is touched as long as the `Contract` holds.
 out, and if none does, the UAV's hold point itself moves out. A way in which every stop fits is never closed.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -21,7 +21,7 @@ from fledge.geometry import Vec3
 from fledge.safety.base import AbstractNet, Halt
 from fledge.safety.contract import Contract, UavStop, UgvStop
 from fledge.safety.halts import halts
-from fledge.safety.tube import Face, UgvSweep
+from fledge.safety.tube import Face, UgvProposal
 from fledge.safety.turns import Memory, UavTurn, UgvTurn, begin, clear, in_turn, sent_instead
 from fledge.scalars import Scalar, cond, maximum, minimum
 from fledge.world import Arena, Commands, Verdict, WorldState
@@ -77,12 +77,12 @@ class StopTube(AbstractNet):
         for face, (forwards, backwards), room in zip(turn.faces, turn.shares, rooms, strict=True):
             nearer = maximum(turn.forward * forwards, -turn.forward * backwards)
             passes = passes & cond(
-                (room >= 0.0) | (nearer <= 0.0), lambda: True, partial(self._clears, face, turn.sweep)
+                (room >= 0.0) | (nearer <= 0.0), lambda: True, partial(self._clears, face, turn.proposal)
             )
         return passes
 
-    def _clears(self, face: Face, sweep: Callable[[], UgvSweep]) -> Scalar:
-        return self._kept(face, face.room - sweep().advance(-face.x, -face.y)) >= 0.0
+    def _clears(self, face: Face, proposal: UgvProposal) -> Scalar:
+        return self._kept(face, face.room - proposal.sweep.advance(-face.x, -face.y)) >= 0.0
 
     def overruled(self, memory: Memory, world: WorldState, instead: Commands) -> Memory:
         """What was really sent is what the next stop begins with."""

@@ -10,16 +10,16 @@ Nothing here decides; what a net does with the room is its own affair.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property, partial, reduce
+from math import inf, nan
 from typing import NamedTuple
 
 from fledge.geometry import Box, Heading, Vec3
 from fledge.safety.contract import Contract, UavStop, UgvStop
-from fledge.scalars import Scalar, clip, cond, exp, isfinite, matters, maximum, minimum, negate, sqrt, where
+from fledge.scalars import Scalar, clip, cond, exp, isfinite, maximum, minimum, sqrt, surely, where
 from fledge.world import Arena, Reason, UavState, UgvState
 
 TINY = 1e-9
-NOWHERE = Vec3(0.0, 0.0, 0.0)
 FREE = 1e3
 """[m] room where there is nothing to be touched."""
 
@@ -42,6 +42,21 @@ class Face(NamedTuple):
         return Face(self.x, self.y, self.z, self.gap, self.room - by, self.reason)
 
 
+class Around(NamedTuple):
+    """What a vehicle has to mind."""
+
+    gap: Scalar
+    """The smallest free distance from hull to hull, of all things [m]."""
+    faces: list[Face]
+    """Those that it may come up to, or else the nearest; a compiled program looks at all."""
+
+    @classmethod
+    def of(cls, gaps: Sequence[Scalar], faces: list[Face], reach: Scalar) -> "Around":
+        """Of all gaps, and of no fewer faces than those with no more room than `reach` [m]."""
+        near = [face for face in faces if not surely(face.room > reach)]
+        return cls(reduce(minimum, gaps), near or [min(faces, key=lambda face: face.room)])
+
+
 class UavTube(NamedTuple):
     """Where the UAV comes to rest if it is told to hover now, from where it was measured."""
 
@@ -51,45 +66,37 @@ class UavTube(NamedTuple):
     """[m] by which the stop may miss that, sideways."""
     error_up: Scalar
     """[m] and in height."""
-    least: Vec3 = NOWHERE
-    """[m] by which it may rest elsewhere, axis by axis, if not all that was sent was heard; from here..."""
-    most: Vec3 = NOWHERE
-    """...to there."""
 
     @property
     def late(self) -> Vec3:
         """[m] if commands act as late as they may."""
         return self.rests[-1]
 
+    @property
+    def reach(self) -> Scalar:
+        """How far the stop may go at most, in the plane [m]."""
+        return self.error + reduce(maximum, (sqrt(rest.x * rest.x + rest.y * rest.y) for rest in self.rests))
+
     def advance(self, x: Scalar, y: Scalar) -> Scalar:
         """How far the stop goes along the horizontal unit vector (x, y) [m]."""
         ahead = 0.0 * self.error
         for rest in self.rests:
             ahead = maximum(ahead, rest.x * x + rest.y * y)
-        return ahead + maximum(self.least.x * x, self.most.x * x) + maximum(self.least.y * y, self.most.y * y)
+        return ahead
 
     def sink(self) -> Scalar:
         """How far down the stop goes [m]."""
         down = 0.0 * self.error
         for rest in self.rests:
             down = maximum(down, -rest.z)
-        return down - self.least.z
+        return down
 
     def rise(self) -> Scalar:
         """How far up the stop goes [m]."""
         up = 0.0 * self.error
         for rest in self.rests:
             up = maximum(up, rest.z)
-        return up + self.most.z
-
-    def moved(self, by: Vec3) -> "UavTube":
-        """The stop after something more [m]."""
-        return self._replace(rests=tuple(rest + by for rest in self.rests))
-
-    def unheard(self, sent: "tuple[Sent, Sent, Sent]", period: float, hold_over: float) -> "UavTube":
-        """As others have to see it: whichever command is the last that is heard is gone on with for so long [s]."""
-        (x, ahead), (y, aside), (z, above) = (axis.held_over(period, hold_over) for axis in sent)
-        return self._replace(least=Vec3(x, y, z), most=Vec3(ahead, aside, above))
+        return up
 
 
 class Pace(NamedTuple):
@@ -192,14 +199,6 @@ class Sent(NamedTuple):
         """The newest command was this one."""
         return Sent((command, *self.newest[1:]), self.before)
 
-    def pending(self, parts: list[Scalar], share: float) -> tuple[Scalar, Scalar]:
-        """(the sum of these parts of the newest commands; what the filter follows before them)."""
-        coming, followed = 0.0, self.before
-        for command, part in zip(reversed(self.newest), reversed(parts), strict=True):
-            coming = coming + part * command
-            followed = followed + (command - followed) * (share * (1.0 - part))
-        return coming, followed
-
     def held_over(self, period: float, hold_over: float) -> tuple[Scalar, Scalar]:
         """(least, most) that may come to all that was sent [m], whichever command is the last that is heard."""
         least = most = missed = 0.0 * self.before
@@ -227,17 +226,11 @@ class Held(NamedTuple):
 
     def then(self, command: Scalar, elapsed: float, lasts: float) -> "Held":
         """One command more, so long after the last [s], which may be gone on with for so long [s]."""
-        left = self.left - elapsed
-        over, none = left <= 0.0, 0.0 * left
+        left, none = self.left - elapsed, 0.0 * self.left
         # Whatever is the largest then was sent earlier; it is as if it was sent now.
-        most, newer, left = (
-            where(over, self.newer, self.most),
-            where(over, none, self.newer),
-            where(over, lasts, left),
-        )
-        larger = command >= most
-        newer = where(larger, none, maximum(newer, command))
-        return Held(maximum(most, command), where(larger, lasts, left), newer)
+        most, newer, left = where(left <= 0.0, (self.newer, none, lasts), (self.most, self.newer, left))
+        left, newer = where(command >= most, (lasts, none), (left, maximum(newer, command)))
+        return Held(maximum(most, command), left, newer)
 
     def way(self, delay: float, hold_over: float) -> Scalar:
         """How far the UGV may yet go [m or rad] with any of them, after the contract's delay [s]."""
@@ -292,6 +285,21 @@ class Phases(NamedTuple):
         return (by + self.braking * turn.whole) / (self.whole + TINY)
 
 
+def pending(
+    sent: tuple[Sent, Sent, Sent], parts: list[Scalar], share: float
+) -> tuple[tuple[Scalar, Scalar], ...]:
+    """For each axis (the sum of these parts of the newest commands; what the filter follows before them)."""
+    x, y, z = (axis.newest for axis in sent)
+    fx, fy, fz = (axis.before for axis in sent)
+    dx = dy = dz = 0.0
+    for k in reversed(range(len(parts))):
+        part = parts[k]
+        taken = share * (1.0 - part)
+        dx, dy, dz = dx + part * x[k], dy + part * y[k], dz + part * z[k]
+        fx, fy, fz = fx + (x[k] - fx) * taken, fy + (y[k] - fy) * taken, fz + (z[k] - fz) * taken
+    return (dx, fx), (dy, fy), (dz, fz)
+
+
 def within(periods: Scalar, commands: int) -> list[Scalar]:
     """Which part of each of the newest commands, the newest first, lies within the last so many periods."""
     return [clip(periods - k, 0.0, 1.0) for k in range(commands)]
@@ -321,7 +329,7 @@ def uav_tube(
 
     def rest(periods: Scalar) -> Vec3:
         parts = within(periods, len(sent[0].newest))
-        (x, fx), (y, fy), (z, fz) = (axis.pending(parts, share) for axis in sent)
+        (x, fx), (y, fy), (z, fz) = pending(sent, parts, share)
         follow_forward, follow_left = heading.from_world(fx, fy)
         dx, dy = heading.to_world(
             forward + stop.followed * follow_forward, left + stop.followed * follow_left
@@ -353,16 +361,11 @@ def uav_miss(stop: UavStop, uav: UavState, pace: Pace) -> Scalar:
 class UgvMotion(NamedTuple):
     """A UGV as a command finds it that is sent now: where it is, and how fast it may be by then."""
 
+    contract: Contract
     stop: UgvStop
     ugv: UgvState
     sent: UgvSent
     nose: Heading
-    error: float
-    """Of its heading [rad]."""
-    brake: float
-    """How it slows down at least [m/s^2]."""
-    delay: float
-    """After which it surely hears what it is sent [s]."""
     reaction: Scalar
     """The time since it was seen included [s]."""
     ahead: Scalar
@@ -388,19 +391,28 @@ class UgvMotion(NamedTuple):
             (contract.rate_error, stop.turn_acceleration),
         )
         return cls(
+            contract,
             stop,
             ugv,
             sent,
             Heading.of(ugv.heading),
-            error=contract.angle_error,
-            brake=stop.acceleration - contract.disturbance,
-            delay=contract.age + contract.latency,
-            reaction=reaction,
+            reaction,
             ahead=fastest(ugv.speed, *drive, sent.ahead),
             astern=fastest(-ugv.speed, *drive, sent.astern),
             left=fastest(ugv.turn_rate, *steering, sent.left),
             right=fastest(-ugv.turn_rate, *steering, sent.right),
         )
+
+    @property
+    def known(self) -> Scalar:
+        """Whether all that was seen of it is a number."""
+        ugv = self.ugv
+        return isfinite(ugv.x + ugv.y + ugv.heading + ugv.speed + ugv.turn_rate)
+
+    @property
+    def brake(self) -> float:
+        """How it slows down at least [m/s^2]."""
+        return self.stop.acceleration - self.contract.disturbance
 
     def reach(self, told: Scalar) -> Scalar:
         """How far it may go at most, told to go no faster than this [m/s]: a stop, and all of what it is told [m]."""
@@ -418,7 +430,8 @@ class UgvMotion(NamedTuple):
 
     def committed(self) -> UgvSweep:
         """Its stop, if nobody knows which of the commands it was sent was the last that it heard."""
-        return self._sweep(tuple((one.most, one.way(self.delay, self.stop.hold_over)) for one in self.sent))
+        surely_heard = self.contract.age + self.contract.latency
+        return self._sweep(tuple((one.most, one.way(surely_heard, self.stop.hold_over)) for one in self.sent))
 
     def _gone_on_with(self, forward: Scalar, turn: Scalar) -> tuple[tuple[Scalar, Scalar], ...]:
         """(speed, way) ahead, astern, and of turning left and right, of a command until the watchdog ends it."""
@@ -433,16 +446,18 @@ class UgvMotion(NamedTuple):
             top = maximum(speed, told)
             return Phases(top, speed * self.reaction, maximum(way, 0.0), top * top / (2.0 * brake))
 
+        brake, turn_brake = self.brake, self.stop.turn_acceleration
         return (
-            motion(self.ahead, self.brake, held[0]),
-            motion(self.astern, self.brake, held[1]),
-            motion(self.left, self.stop.turn_acceleration, held[2]),
-            motion(self.right, self.stop.turn_acceleration, held[3]),
+            motion(self.ahead, brake, held[0]),
+            motion(self.astern, brake, held[1]),
+            motion(self.left, turn_brake, held[2]),
+            motion(self.right, turn_brake, held[3]),
         )
 
     def _tube(self, phases: tuple[Phases, Phases, Phases, Phases]) -> UgvTube:
         ahead, astern, left, right = phases
-        ends = Turn(self.error + left.whole, self.error + right.whole)
+        error = self.contract.angle_error
+        ends = Turn(error + left.whole, error + right.whole)
         return UgvTube(self.nose, ahead.whole, astern.whole, ends)
 
     def _sweep(self, held: tuple[tuple[Scalar, Scalar], ...]) -> UgvSweep:
@@ -459,29 +474,76 @@ class UgvMotion(NamedTuple):
         growing_left, growing_right = growing(left, held[2][0]), growing(right, held[3][0])
 
         def mean(way: Phases) -> Turn:
-            return Turn(
-                self.error + way.turned(left, growing_left), self.error + way.turned(right, growing_right)
-            )
+            error = self.contract.angle_error
+            return Turn(error + way.turned(left, growing_left), error + way.turned(right, growing_right))
 
         return UgvSweep(self._tube(phases), mean(ahead), mean(astern))
 
 
+class UavCommitment(NamedTuple):
+    """What the UAV may yet do, as others have to see it: whatever command is the last that it heard is gone on with."""
+
+    tube: UavTube
+    """Its stop, if it hears everything."""
+    least: Vec3
+    """[m] by which it may rest elsewhere, axis by axis, from here..."""
+    most: Vec3
+    """...to there."""
+
+    @classmethod
+    def of(
+        cls, tube: UavTube, sent: tuple[Sent, Sent, Sent], period: float, hold_over: float
+    ) -> "UavCommitment":
+        """Of a UAV that was sent this, and goes on with a command for so long [s]."""
+        (x, ahead), (y, aside), (z, above) = (axis.held_over(period, hold_over) for axis in sent)
+        return cls(tube, Vec3(x, y, z), Vec3(ahead, aside, above))
+
+    def advance(self, x: Scalar, y: Scalar) -> Scalar:
+        """How far it goes along the horizontal unit vector (x, y) [m]."""
+        least, most = self.least, self.most
+        return self.tube.advance(x, y) + maximum(least.x * x, most.x * x) + maximum(least.y * y, most.y * y)
+
+    def sink(self) -> Scalar:
+        """How far down it goes [m]."""
+        return self.tube.sink() - self.least.z
+
+    def sinking(self, by: Scalar) -> "UavCommitment":
+        """As if it might come down by so much more [m]."""
+        return self._replace(least=self.least - Vec3(0.0 * by, 0.0 * by, by))
+
+
 @dataclass(frozen=True)
-class Commitment:
+class UgvCommitment:
     """What a UGV may yet do, as others have to see it; worked out for whom it may come near."""
 
     motion: UgvMotion
 
     @cached_property
     def reach(self) -> Scalar:
-        """How far it may go at most [m]."""
-        sent = self.motion.sent
-        return self.motion.reach(maximum(sent.ahead.most, sent.astern.most))
+        """How far it may go at most [m]; no number if not all is known of it."""
+        motion, sent = self.motion, self.motion.sent
+        return where(motion.known, motion.reach(maximum(sent.ahead.most, sent.astern.most)), nan)
 
     @cached_property
     def sweep(self) -> UgvSweep:
         """Its stop."""
         return self.motion.committed()
+
+
+@dataclass(frozen=True)
+class UgvProposal:
+    """What a UGV would do with a command; worked out for whom it matters."""
+
+    motion: UgvMotion
+    forward: Scalar
+    """[m/s]."""
+    turn: Scalar
+    """[rad/s]."""
+
+    @cached_property
+    def sweep(self) -> UgvSweep:
+        """Its way, as its nose turns by and by."""
+        return self.motion.sweep(self.forward, self.turn)
 
 
 def wall_faces(arena: Arena, x: Scalar, y: Scalar, radius: float) -> tuple[tuple[float, float, Scalar], ...]:
@@ -508,43 +570,55 @@ def side_of_point(x: Scalar, y: Scalar) -> tuple[Scalar, Scalar, Scalar]:
     return x / (far + TINY), y / (far + TINY), far
 
 
-def uav_faces(
+def beyond(gap: Scalar, reach: Scalar) -> bool:
+    """Whether something is surely farther than that [m]; infinitely far is no place, and not known to be far."""
+    return surely((gap > reach) & (gap < inf))
+
+
+def around_uav(
     contract: Contract,
     stop: UavStop,
+    reach: Scalar,
     arena: Arena,
     uav: UavState,
     tube: UavTube,
-    ugvs: Sequence[Commitment],
-) -> list[Face]:
-    """All that the UAV must stay clear of."""
+    ugvs: Sequence[UgvCommitment],
+) -> Around:
+    """All that the UAV must stay clear of that leaves no more room than `reach` [m]."""
     x, y, z = uav.position.x, uav.position.y, uav.position.z
     low, high = z - stop.half_height, arena.ceiling - z - stop.half_height
     sink = tube.error_up + tube.sink()
+    far = reach + tube.reach
 
     def to_thing(nx: Scalar, ny: Scalar, gap: Scalar) -> Scalar:
         return gap - tube.error - tube.advance(-nx, -ny)
 
-    def to_ugv(nx: Scalar, ny: Scalar, gap: Scalar, one: Commitment) -> Scalar:
+    def to_ugv(nx: Scalar, ny: Scalar, gap: Scalar, one: UgvCommitment) -> Scalar:
         return to_thing(nx, ny, gap) - contract.position_error - one.sweep.advance(nx, ny)
 
-    faces = [
-        Face(nx, ny, 0.0, gap, to_thing(nx, ny, gap), Reason.WALL)
-        for nx, ny, gap in wall_faces(arena, x, y, stop.radius)
-    ]
+    gaps, faces = [low, high], []
+    for nx, ny, gap in wall_faces(arena, x, y, stop.radius):
+        gaps.append(gap)
+        if not beyond(gap, far):
+            faces.append(Face(nx, ny, 0.0, gap, to_thing(nx, ny, gap), Reason.WALL))
     faces.append(Face(0.0, 0.0, 1.0, low, low - sink, Reason.FLOOR))
     faces.append(Face(0.0, 0.0, -1.0, high, high - tube.error_up - tube.rise(), Reason.CEILING))
     for obstacle in arena.obstacles:
-        nx, ny, far = side_of_box(obstacle.footprint, x, y)
-        gap, above = far - stop.radius, low - obstacle.height
-        beside = partial(to_thing, nx, ny, gap)
-        faces.append(_side_or_top(nx, ny, gap, beside, above, above - sink, Reason.OBSTACLE))
+        nx, ny, distance = side_of_box(obstacle.footprint, x, y)
+        gap, above = distance - stop.radius, low - obstacle.height
+        gaps.append(maximum(gap, above))
+        if not beyond(gap, far):
+            beside = partial(to_thing, nx, ny, gap)
+            faces.append(_side_or_top(nx, ny, gap, beside, above, above - sink, Reason.OBSTACLE))
     for one in ugvs:
         ugv = one.motion
-        nx, ny, far = side_of_point(x - ugv.ugv.x, y - ugv.ugv.y)
-        gap, above = far - stop.radius - ugv.stop.radius, low - ugv.stop.height
-        beside = partial(to_ugv, nx, ny, gap, one)
-        faces.append(_side_or_top(nx, ny, gap, beside, above, above - sink, Reason.VEHICLE))
-    return faces
+        nx, ny, distance = side_of_point(x - ugv.ugv.x, y - ugv.ugv.y)
+        gap, above = distance - stop.radius - ugv.stop.radius, low - ugv.stop.height
+        gaps.append(maximum(gap, above))
+        if not beyond(gap - contract.position_error - one.reach, far):
+            beside = partial(to_ugv, nx, ny, gap, one)
+            faces.append(_side_or_top(nx, ny, gap, beside, above, above - sink, Reason.VEHICLE))
+    return Around.of(gaps, faces, reach)
 
 
 def _side_or_top(
@@ -558,47 +632,49 @@ def _side_or_top(
 ) -> Face:
     """Beside or above is enough: the roomier of the two. Beside there is never more room than the gap."""
     zero = 0.0 * nx
-    room = beside() if matters(negate(room_above >= gap)) else zero - FREE
+    room = zero - FREE if surely(room_above >= gap) else beside()
     x, y, z = where(room_above > room, (zero, zero, 1.0 + zero), (nx, ny, zero))
     return Face(x, y, z, maximum(gap, above), maximum(room, room_above), reason)
 
 
-def ugv_faces(
+def around_ugv(
     contract: Contract,
     motion: UgvMotion,
     reach: Scalar,
     arena: Arena,
-    others: Sequence[Commitment],
-    uav: tuple[UavStop, UavState, UavTube],
-) -> list[Face]:
+    others: Sequence[UgvCommitment],
+    uav: tuple[UavStop, UavState, UavCommitment],
+) -> Around:
     """All that a UGV must stay clear of that may go as far as `reach` [m].
 
     The room does not yet count its own way, which its command decides.
     """
     stop, ugv, error = motion.stop, motion.ugv, contract.position_error
-    faces = []
-    for nx, ny, gap in wall_faces(arena, ugv.x, ugv.y, stop.radius):
-        faces.append(Face(nx, ny, 0.0, gap, gap - error, Reason.WALL))
+    still = [(gap, nx, ny, Reason.WALL) for nx, ny, gap in wall_faces(arena, ugv.x, ugv.y, stop.radius)]
     for obstacle in arena.obstacles:
         nx, ny, far = side_of_box(obstacle.footprint, ugv.x, ugv.y)
-        gap = far - stop.radius
-        faces.append(Face(nx, ny, 0.0, gap, gap - error, Reason.OBSTACLE))
+        still.append((far - stop.radius, nx, ny, Reason.OBSTACLE))
+    near = [one for one in still if not surely(one[0] - error > reach)] or [min(still)]
+    # Where one of them is near, so is the nearest: no other gap is smaller.
+    faces = [Face(nx, ny, 0.0, gap, gap - error, reason) for gap, nx, ny, reason in near]
     for other in others:
         nx, ny, far = side_of_point(ugv.x - other.motion.ugv.x, ugv.y - other.motion.ugv.y)
         gap = far - stop.radius - other.motion.stop.radius
         room = gap - 2.0 * error
-        # The two cannot meet, however the other turns: then by how much is all the same. Infinitely far is no place.
-        apart = isfinite(gap) & (room - other.reach > reach)
-        way = other.sweep.advance(nx, ny) if matters(negate(apart)) else other.reach
+        # Where the two cannot meet, however the other turns, by how much is all the same.
+        apart = beyond(room - other.reach, reach)
+        way = other.reach if apart else other.sweep.advance(nx, ny)
         faces.append(Face(nx, ny, 0.0, gap, room - way, Reason.VEHICLE))
-    uav_stop, state, uav_tube = uav
+    uav_stop, state, commitment = uav
     nx, ny, far = side_of_point(ugv.x - state.position.x, ugv.y - state.position.y)
     gap = far - stop.radius - uav_stop.radius
     above = state.position.z - uav_stop.half_height - stop.height
     # To stay above is the UAV's own affair; it is a UGV's not to drive under one that is coming down.
-    over = above - uav_tube.error_up - uav_tube.sink() >= 0.0
+    over = above - commitment.tube.error_up - commitment.sink() >= 0.0
     room = cond(
-        over, lambda: 0.0 * gap + FREE, lambda: gap - error - uav_tube.error - uav_tube.advance(nx, ny)
+        over,
+        lambda: 0.0 * gap + FREE,
+        lambda: gap - error - commitment.tube.error - commitment.advance(nx, ny),
     )
     faces.append(Face(nx, ny, 0.0, maximum(gap, above), room, Reason.VEHICLE))
-    return faces
+    return Around.of([face.gap for face in faces], faces, reach)

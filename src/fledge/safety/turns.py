@@ -10,30 +10,31 @@ holding that every decision can fall back on, and the verdict.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
-from functools import cache, partial, reduce
+from functools import partial
 from typing import NamedTuple, Protocol
 
 from fledge.geometry import Heading, Vec3
 from fledge.safety.contract import Contract, UavStop, UgvStop
 from fledge.safety.tube import (
     FREE,
-    Commitment,
+    Around,
     Face,
     Pace,
     Sent,
+    UavCommitment,
     UavTube,
+    UgvCommitment,
     UgvMotion,
+    UgvProposal,
     UgvSent,
-    UgvSweep,
     UgvTube,
+    around_uav,
+    around_ugv,
     filter_share,
     uav_error,
-    uav_faces,
     uav_tube,
-    ugv_faces,
 )
-from fledge.scalars import Scalar, clip, cond, isfinite, matters, maximum, minimum, negate, where
+from fledge.scalars import Scalar, clip, cond, isfinite, maximum, minimum, negate, surely, where
 from fledge.world import Arena, Commands, Reason, UavState, VelocityCommand, Verdict, WorldState
 
 SLOW = 0.3
@@ -103,8 +104,8 @@ class UgvTurn(NamedTuple):
     """What the proposal leaves before each face [m]."""
     way: Callable[[Scalar], UgvTube]
     """Its way if it is told this speed [m/s], turning as proposed."""
-    sweep: Callable[[], UgvSweep]
-    """Its way if it is told what is proposed, as it turns: where `rooms` are too small, they may yet be enough."""
+    proposal: UgvProposal
+    """With its way as it turns: where `rooms` are too small, they may yet be enough."""
 
 
 class Deciding(Protocol):
@@ -158,21 +159,23 @@ def in_turn(
         UgvMotion.of(net.contract, stop, ugv, sent, world.t - ugv.stamp)
         for stop, ugv, sent in zip(net.ugvs, world.ugvs, memory.ugvs, strict=True)
     ]
-    commitments = [Commitment(motion) for motion in motions]
-    faces = uav_faces(net.contract, net.uav, memory.arena, world.uav, tube, commitments)
-    uav, tube, verdict = _uav(net, memory.uav, world, commands.uav, tube, faces)
+    commitments = [UgvCommitment(motion) for motion in motions]
+    reach = AHEAD * net.uav.most
+    around = around_uav(net.contract, net.uav, reach, memory.arena, world.uav, tube, commitments)
+    uav, commitment, verdict = _uav(net, memory.uav, world, commands.uav, tube, around)
     # A UAV that was not seen for long may have been told to land: nobody drives under it.
-    landing = where(age <= 2.0 * net.contract.age, 0.0 * age, -FREE)
-    tube = tube.moved(Vec3(0.0 * landing, 0.0 * landing, landing))
+    commitment = commitment.sinking(where(age <= 2.0 * net.contract.age, 0.0 * age, FREE))
     remembered, verdicts = [], [verdict]
     for i, motion in enumerate(motions):
         others = [*commitments[:i], *commitments[i + 1 :]]
         stop, ugv, proposed = motion.stop, motion.ugv, commands.ugvs[i]
         reach = motion.reach(minimum(abs(proposed.forward), stop.most)) + net.reserve
-        faces = ugv_faces(net.contract, motion, reach, memory.arena, others, (net.uav, world.uav, tube))
-        sent, verdict = _ugv(net, motion, reach, world.t, proposed, faces)
+        around = around_ugv(
+            net.contract, motion, reach, memory.arena, others, (net.uav, world.uav, commitment)
+        )
+        sent, verdict = _ugv(net, motion, reach, world.t, proposed, around)
         if i + 1 < len(motions):  # who comes last is minded by nobody
-            commitments[i] = Commitment(UgvMotion.of(net.contract, stop, ugv, sent, world.t - ugv.stamp))
+            commitments[i] = UgvCommitment(UgvMotion.of(net.contract, stop, ugv, sent, world.t - ugv.stamp))
         remembered.append(sent)
         verdicts.append(verdict)
     return Memory(memory.arena, uav, tuple(remembered)), tuple(verdicts)
@@ -217,8 +220,8 @@ def _uav(
     world: WorldState,
     proposed: VelocityCommand,
     tube: UavTube,
-    faces: list[Face],
-) -> tuple[UavMemory, UavTube, Verdict]:
+    around: Around,
+) -> tuple[UavMemory, UavCommitment, Verdict]:
     """(memory, what the UAV is committed to now, verdict)."""
     stop, age = net.uav, world.t - world.uav.stamp
     heading = world.uav.attitude.heading()
@@ -228,7 +231,7 @@ def _uav(
     turn = clip(proposed.turn, -stop.most_turn, stop.most_turn)
     number = isfinite(wanted.x + wanted.y + wanted.z + turn)
     fresh = _fresh(net.contract, age)
-    gap, faces = _gap(faces), _near(faces, AHEAD * stop.most)
+    faces = around.faces
     tightest = _tightest(faces, [face.room for face in faces])
     known = number & fresh & _whole(world.uav)
     fades = net.contract.period / CALMING
@@ -242,8 +245,8 @@ def _uav(
     same = passes & (chosen.x == wanted.x) & (chosen.y == wanted.y) & (chosen.z == wanted.z)
     zero = 0.0 * memory.holding
     sent = _within(stop, where(passes, chosen, held), heading)
-    sent = where(same, VelocityCommand(forward, left, wanted.z, zero), sent)
-    sent = replace(sent, turn=where(passes, turn, zero))
+    forward, left, up = where(same, (forward, left, wanted.z), (sent.forward, sent.left, sent.up))
+    sent = VelocityCommand(forward, left, up, where(passes, turn, zero))
     x, y = heading.to_world(sent.forward, sent.left)
     velocity = where(isfinite(x + y), Vec3(x, y, sent.up), Vec3(zero, zero, zero))
     share = filter_share(net.contract, stop)
@@ -256,14 +259,16 @@ def _uav(
     pace = memory.pace.then(velocity.x, velocity.y, sent.turn, fades)
     reason = where(number, where(fresh, tightest.reason, Reason.STALE), Reason.NOT_FINITE)
     memory = memory._replace(sent=axes, pace=pace)
-    tube = tube.unheard(axes, net.contract.period, stop.hold_over)
     tube = tube._replace(error=uav_error(net.contract, stop, world.uav, pace))
-    return memory, tube, _verdict(proposed, sent, reason, gap)
+    commitment = UavCommitment.of(tube, axes, net.contract.period, stop.hold_over)
+    return memory, commitment, _verdict(proposed, sent, reason, around.gap)
 
 
 def _after(net: Deciding, uav: UavState, pace: Pace, tube: UavTube, faces: list[Face]) -> list[Face]:
     """The faces, with the room that is left if the UAV goes at a pace: the stop after that misses by more."""
     more = maximum(uav_error(net.contract, net.uav, uav, pace) - tube.error, 0.0)
+    if surely(more == 0.0):
+        return faces
     return [face.closer(more * (1.0 - face.z * face.z)) for face in faces]
 
 
@@ -332,16 +337,16 @@ def _ugv(
     reach: Scalar,
     t: Scalar,
     proposed: VelocityCommand,
-    faces: list[Face],
+    around: Around,
 ) -> tuple[UgvSent, Verdict]:
     stop, ugv, memory = motion.stop, motion.ugv, motion.sent
     age = t - ugv.stamp
     forward = clip(proposed.forward, -stop.most, stop.most)
     turn = clip(proposed.turn, -stop.most_turn, stop.most_turn)
     number, fresh = isfinite(forward + turn), _fresh(net.contract, age)
-    known = number & fresh & isfinite(ugv.x + ugv.y + ugv.heading + ugv.speed + ugv.turn_rate)
+    known = number & fresh & motion.known
     zero = 0.0 * memory.left.most
-    gap, faces = _gap(faces), _near(faces, reach)
+    faces = around.faces
 
     def swept(turn: Scalar) -> tuple[Scalar, tuple[tuple[Scalar, Scalar], ...], tuple[Scalar, ...]]:
         go = motion.told(forward, turn)
@@ -363,34 +368,21 @@ def _ugv(
     )
     turn, shares, rooms = cond(may_turn, lambda: turning, lambda: swept(0.0 * turn))
     way = partial(motion.told, turn=turn)
-    # Looked at but seldom, and then by many a face.
-    sweep = cache(partial(motion.sweep, forward, turn))
     tightest = _tightest(faces, rooms)
-    passes, chosen = net.decide_ugv(stop, UgvTurn(forward, turn, known, faces, shares, rooms, way, sweep))
+    proposal = UgvProposal(motion, forward, turn)
+    passes, chosen = net.decide_ugv(stop, UgvTurn(forward, turn, known, faces, shares, rooms, way, proposal))
     passes = passes & isfinite(chosen)
     speed = where(passes, chosen, zero)
     turned = where(passes | stands, turn, zero)
     reason = where(number, where(fresh, tightest.reason, Reason.STALE), Reason.NOT_FINITE)
-    sent = VelocityCommand(speed, proposed.left, proposed.up, turned)
-    verdict = _verdict(proposed, sent, reason, gap)
-    verdict = Verdict(VelocityCommand(speed, zero, zero, turned), verdict.intervened, verdict.reason, gap)
+    proposed = VelocityCommand(proposed.forward, zero, zero, proposed.turn)
+    verdict = _verdict(proposed, VelocityCommand(speed, zero, zero, turned), reason, around.gap)
     return memory.then(net.contract, stop, speed, turned, net.contract.period), verdict
 
 
 def _rooms(faces: list[Face], shares: tuple[tuple[Scalar, Scalar], ...], tube: UgvTube) -> tuple[Scalar, ...]:
     """What a UGV's way leaves before each face [m]."""
     return tuple(face.room - tube.along(share) for face, share in zip(faces, shares, strict=True))
-
-
-def _near(faces: list[Face], reach: Scalar) -> list[Face]:
-    """Those that a vehicle may come up to, or else the nearest; a compiled program looks at all."""
-    near = [face for face in faces if matters(negate(face.room > reach))]
-    return near or [min(faces, key=lambda face: face.room)]
-
-
-def _gap(faces: list[Face]) -> Scalar:
-    """The smallest from hull to hull [m]."""
-    return reduce(minimum, (face.gap for face in faces))
 
 
 def _tightest(faces: list[Face], rooms: Sequence[Scalar]) -> Face:
