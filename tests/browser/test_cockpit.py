@@ -211,7 +211,6 @@ def test_a_climb_is_demonstrated_watched_and_learnt_from(tab, server):
 
     page.click("nav [data-view=watch]")
     page.click("[data-flight='climb-002']")
-    page.wait_for_load_state("networkidle")  # the list chooses its first flight by itself
     tab.until(lambda: int(page.get_attribute("#scrub", "max")) == flight.rows - 1)
     page.fill("#scrub", "40")
     tab.until(lambda: page.get_attribute("#clock", "data-value") == "40")
@@ -227,6 +226,24 @@ def test_a_climb_is_demonstrated_watched_and_learnt_from(tab, server):
     tab.arm()
     tab.until(lambda: tab.uav["commander"] == "pilot")
     assert "primitive-000" in page.inner_text("#commander")
+
+
+def test_the_flight_that_was_asked_for_last_is_shown_however_late_others_come(tab):
+    page, late = tab.page, []
+    page.click("nav [data-view=watch]")
+    tab.until(lambda: page.inner_text("#watched"))
+    page.route("**/climb-000*", lambda route: late.append(route))
+    page.click("[data-flight='climb-000']")
+    tab.until(lambda: late)
+    page.click("[data-flight='climb-001']")
+    tab.until(lambda: page.inner_text("#watched") == "climb-001")
+    page.fill("#scrub", "40")
+    with page.expect_response("**/climb-000*"):
+        late[0].continue_()
+    page.click("[data-flight='climb-001']")  # it is shown already, and stays where it is
+    page.wait_for_timeout(300)
+    assert page.inner_text("#watched") == "climb-001"
+    assert page.get_attribute("#clock", "data-value") == "40"
 
 
 def test_a_spectator_sees_and_cannot_touch(browser, server):

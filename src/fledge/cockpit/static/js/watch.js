@@ -56,10 +56,19 @@ export class Watch {
     return make("li", {}, button);
   }
 
+  // What was asked for last is shown, in whatever order the answers come; what is shown already does not begin again.
   async #choose(name) {
-    const replay = await this.#fetched(name);
-    if (!replay) return;
+    if (name === this.#name) return;
+    const before = this.#name;
     this.#name = name;
+    this.#mark();
+    const replay = await this.#fetched(name);
+    if (this.#name !== name) return;
+    if (!replay) {
+      this.#name = before;
+      this.#mark();
+      return;
+    }
     this.#player.show(replay);
     const { manoeuvre, pilot, net, marks } = replay.told;
     const about = [
@@ -71,7 +80,6 @@ export class Watch {
     ];
     say($("watched"), name);
     say($("watched-marks"), about.join(" · "));
-    this.#mark();
   }
 
   async #compare(name) {
