@@ -454,15 +454,32 @@ def test_every_wall_is_a_face():
     assert around.gap == pytest.approx(0.74)
 
 
-def test_what_is_far_is_left_out_but_for_its_gap():
-    """A box 0.2 m beyond what the UAV may reach and mind, and another in the same place but nearer."""
-    tube = uav_tube(C, UAV, world(velocity=Vec3(0.5, 0.0, 0.0)).uav, (NOTHING,) * 3, STANDING, 0.0)
+@pytest.mark.parametrize("more", (0.01, -0.01))
+def test_what_is_far_is_left_out_but_for_its_gap(more):
+    """A box, and a UGV that drives towards the UAV, a little beyond what may come near, and a little nearer."""
+    high, reach = replace(HALL, ceiling=40.0), 1.0
+    uav = world((0.0, 0.0, 6.0), velocity=Vec3(0.5, 0.0, 0.0)).uav
+    tube = uav_tube(C, UAV, uav, (NOTHING,) * 3, STANDING, 0.0)
     assert tube.reach == pytest.approx(tube.error + tube.advance(1.0, 0.0))
-    edge = UAV.radius + 1.0 + tube.reach
-    for more, reasons in ((0.2, set()), (-0.2, {Reason.OBSTACLE})):
-        box = Obstacle(Box(edge + more, edge + more + 0.1, -1.0, 1.0), 9.0)
-        arena = replace(HALL, obstacles=(box,), ceiling=40.0)
-        high = world((0.0, 0.0, 6.0))
-        around = around_uav(C, UAV, 1.0, arena, high.uav, tube, ())
-        assert {face.reason for face in around.faces} - {Reason.FLOOR} == reasons
-        assert around.gap == pytest.approx(edge + more - UAV.radius)
+    gap = reach + tube.reach + more
+    box = Obstacle(Box(UAV.radius + gap, UAV.radius + gap + 0.1, -1.0, 1.0), 9.0)
+    beside_box = around_uav(C, UAV, reach, replace(high, obstacles=(box,)), uav, tube, ())
+    assert (Reason.OBSTACLE in {face.reason for face in beside_box.faces}) == (more < 0.0)
+    assert beside_box.gap == pytest.approx(gap)
+
+    low = replace(uav, position=Vec3(0.0, 0.0, 0.2))
+    towards = UgvMotion.of(C, UGV, UgvState(0.0, 0.0, pi, 0.3, 0.0, 0.0), ordered(0.3), 0.0)
+    gap = reach + tube.reach + 20.0 * more + C.position_error + UgvCommitment(towards).reach
+    x = UAV.radius + UGV.radius + gap
+    driving = UgvCommitment(towards._replace(ugv=replace(towards.ugv, x=x)))
+    beside_ugv = around_uav(C, UAV, reach, high, low, tube, (driving,))
+    assert (Reason.VEHICLE in {face.reason for face in beside_ugv.faces}) == (more < 0.0)
+
+
+def test_for_a_uav_that_is_infinitely_far_nothing_is_left_out():
+    """Infinitely far is no place: nobody knows what is near there."""
+    tube = uav_tube(C, UAV, world().uav, (NOTHING,) * 3, STANDING, 0.0)
+    nowhere = replace(world().uav, position=Vec3(inf, 0.0, 3.0))
+    arena = replace(HALL, obstacles=(Obstacle(Box(2.5, 3.0, -1.0, 1.0), 1.6),))
+    seen = around_uav(C, UAV, 1.0, arena, nowhere, tube, ()).faces
+    assert {Reason.WALL, Reason.OBSTACLE} <= {face.reason for face in seen}
