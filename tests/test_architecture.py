@@ -35,7 +35,7 @@ LAYERS = (
     ("learning",),
     ("engines",),
     ("simulation",),
-    ("pytrees",),
+    ("pytrees", "cores"),
     ("lab.control", "lab.twin"),
     ("lab.opening", "lab.wire"),
     ("formation",),
@@ -95,7 +95,7 @@ IMPURE_MODULES = {
     *("logging", "os", "pathlib", "shutil", "tempfile"),
     *("random", "secrets", "uuid"),
 }
-CORES = {("engines", "os"), ("learning.training", "os"), ("pytrees", "threading")}
+CORES = {("cores", "os"), ("pytrees", "threading")}
 """Flights and networks share the machine's cores, threads the register of records: that is no effect."""
 IMPURE_CALLS = {"input", "open", "print"}
 SEEDED = {"BitGenerator", "Generator", "PCG64", "Philox", "SeedSequence", "default_rng"}

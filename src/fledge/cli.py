@@ -52,7 +52,9 @@ def main(arguments: Sequence[str] | None = None) -> None:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         sys.exit(1)
     except KeyboardInterrupt:
-        _leave("interrupted; every file is whole", 130)
+        _note("interrupted; every file is whole")
+        sys.stdout.flush()
+        os._exit(130)  # at once: a compiler in another thread cannot be told to stop
     except Exception as error:
         line = explain(error)
         if line is None:
@@ -88,5 +90,9 @@ def _subcommand(name: str, arguments: Sequence[str]) -> Any:
 
 
 def _leave(line: str, code: int) -> None:
-    console.note("fledge: " + " ".join(line.split()))
+    _note(line)
     sys.exit(code)
+
+
+def _note(line: str) -> None:
+    console.note("fledge: " + " ".join(line.split()))

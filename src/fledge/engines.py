@@ -4,7 +4,6 @@
 it compiled by JAX, in batches of one size on all cores, so that a flight does not depend on who flies beside it.
 """
 
-import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import fields, replace
@@ -17,6 +16,7 @@ import numpy as np
 from jax.experimental.xla_metadata import set_xla_metadata
 
 from fledge.conditions import NORMALS, UNIFORMS, RowNoise, row_noise
+from fledge.cores import cores
 from fledge.episode import Episode
 from fledge.observation import Observation
 from fledge.pilots.base import AbstractPilot
@@ -104,8 +104,8 @@ def fly(
         episodes = flown.result()(*inputs(begin))
         return jax.tree.map(np.asarray, episodes if reduce is None else reduce(episodes))
 
-    with ThreadPoolExecutor(os.cpu_count()) as cores:
-        parts = list(cores.map(batch, range(0, len(cases), BATCH)))
+    with cores() as pool:
+        parts = list(pool.map(batch, range(0, len(cases), BATCH)))
     return jax.tree.map(lambda *leaves: np.concatenate(leaves)[: len(cases)], *parts)
 
 

@@ -4,9 +4,7 @@
 where it was made. The order of the rows is a function of seed and epoch: nothing else is to be remembered.
 """
 
-import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
 from functools import cache, partial
 from typing import Any, NamedTuple
@@ -16,6 +14,7 @@ import jax.numpy as jnp
 import numpy as np
 import optax
 
+from fledge.cores import cores
 from fledge.learning.fusion import CompositeSet
 from fledge.learning.policy import HIDDEN, Contract, Policy
 from fledge.learning.recipe import Recipe
@@ -87,7 +86,7 @@ def train(
     # A network and its optimiser fit into a core's cache; vmap over twenty on a CPU takes twice as long.
     size = 1 if jax.default_backend() == "cpu" else len(keys)
     groups = [slice(i, i + size) for i in range(0, len(keys), size)]
-    with ThreadPoolExecutor(os.cpu_count()) as cores:
+    with cores() as pool:
         while state.epoch < recipe.epochs:
             epochs = np.arange(state.epoch, min(state.epoch + recipe.stride, recipe.epochs))
 
@@ -95,7 +94,7 @@ def train(
                 learners = jax.tree.map(lambda leaf: leaf[group], state.learners)
                 return jax.block_until_ready(leg(data, learners, seeds[group], epochs))
 
-            parts = list(cores.map(gone_on, groups))
+            parts = list(pool.map(gone_on, groups))
             learners, *losses = jax.tree.map(lambda *leaves: jnp.concatenate(leaves), *parts)
             state = Checkpoint(
                 state.epoch + len(epochs), learners, _longer(state.curve, state.epoch + len(epochs), *losses)

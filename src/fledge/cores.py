@@ -1,0 +1,16 @@
+"""The cores of this machine, for compiled programs: they leave Python's lock alone, so threads are enough."""
+
+import os
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
+
+
+@contextmanager
+def cores() -> Iterator[ThreadPoolExecutor]:
+    """A thread for each; whoever leaves early, for an error or by Ctrl-C, does not wait for what they are at."""
+    pool = ThreadPoolExecutor(os.cpu_count())
+    try:
+        yield pool
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
