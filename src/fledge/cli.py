@@ -7,6 +7,7 @@ line on standard error says what; 130, interrupted. A traceback is a bug of ours
 import os
 import sys
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any, Union
 
@@ -53,7 +54,8 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sys.exit(1)
     except KeyboardInterrupt:
         _note("interrupted; every file is whole")
-        sys.stdout.flush()
+        with suppress(BrokenPipeError):
+            sys.stdout.flush()
         os._exit(130)  # at once: a compiler in another thread cannot be told to stop
     except Exception as error:
         line = explain(error)

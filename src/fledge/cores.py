@@ -7,9 +7,9 @@ from contextlib import contextmanager
 
 
 @contextmanager
-def cores() -> Iterator[ThreadPoolExecutor]:
-    """A thread for each; whoever leaves early, for an error or by Ctrl-C, does not wait for what they are at."""
-    pool = ThreadPoolExecutor(os.cpu_count())
+def cores(count: int | None = None) -> Iterator[ThreadPoolExecutor]:
+    """A thread for each, or so many; an error, Ctrl-C too, does not wait for what they are at."""
+    pool = ThreadPoolExecutor(count or os.cpu_count())
     try:
         yield pool
     finally:

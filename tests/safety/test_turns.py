@@ -458,7 +458,7 @@ class Reckless(StopTube):
 
     def decide_ugv(self, stop: object, turn: UgvTurn) -> tuple[bool, float]:
         known = True if self.chooses is not None and self.chooses != self.chooses else turn.known
-        return known, turn.forward if self.chooses is None else self.chooses
+        return known, turn.proposal.forward if self.chooses is None else self.chooses
 
 
 def broken(record: UavState | UgvState | VelocityCommand) -> list[UavState | UgvState | VelocityCommand]:

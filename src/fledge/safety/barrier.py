@@ -95,12 +95,12 @@ class Barrier(AbstractNet):
 
     def decide_ugv(self, stop: UgvStop, turn: UgvTurn) -> tuple[Scalar, Scalar]:
         """The nearest speed after which the UGV could still stop."""
-        fastest, slowest, halt = stop.most, -stop.most, turn.way(0.0)
+        fastest, slowest, halt = stop.most, -stop.most, turn.proposal.slower(0.0)
         for face, (forwards, backwards) in zip(turn.faces, turn.shares, strict=True):
             room = maximum(face.room - halt.along((forwards, backwards)), 0.0)
             fastest = minimum(fastest, self._speed(room, forwards, stop))
             slowest = maximum(slowest, -self._speed(room, backwards, stop))
-        return turn.known, clip(turn.forward, slowest, fastest)
+        return turn.known, clip(turn.proposal.forward, slowest, fastest)
 
     def _speed(self, room: Scalar, share: Scalar, stop: UgvStop) -> Scalar:
         """The speed [m/s] whose holding over and braking, of which `share` leads to a face, uses up the room [m]."""

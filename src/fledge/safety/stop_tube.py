@@ -69,13 +69,13 @@ class StopTube(AbstractNet):
         """The command as it is, if it leaves room before every face, or leads no nearer where there is none."""
         rooms = [self._kept(face, left) for face, left in zip(turn.faces, turn.rooms, strict=True)]
         passes = turn.known & cond(clear(rooms), lambda: True, partial(self._may_go, turn, rooms))
-        return passes, turn.forward
+        return passes, turn.proposal.forward
 
     def _may_go(self, turn: UgvTurn, rooms: Sequence[Scalar]) -> Scalar:
         """Whether the proposal leads no nearer to the faces without room, or leaves some as the UGV turns by and by."""
-        passes = True
+        passes, forward = True, turn.proposal.forward
         for face, (forwards, backwards), room in zip(turn.faces, turn.shares, rooms, strict=True):
-            nearer = maximum(turn.forward * forwards, -turn.forward * backwards)
+            nearer = maximum(forward * forwards, -forward * backwards)
             passes = passes & cond(
                 (room >= 0.0) | (nearer <= 0.0), lambda: True, partial(self._clears, face, turn.proposal)
             )

@@ -540,6 +540,10 @@ class UgvProposal:
     turn: Scalar
     """[rad/s]."""
 
+    def slower(self, forward: Scalar) -> UgvTube:
+        """Its way if it is told this speed instead [m/s], turning the same."""
+        return self.motion.told(forward, self.turn)
+
     @cached_property
     def sweep(self) -> UgvSweep:
         """Its way, as its nose turns by and by."""

@@ -9,7 +9,7 @@ A net says what is sent to one vehicle, given its faces (`Deciding`); here is th
 holding that every decision can fall back on, and the verdict.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from typing import NamedTuple, Protocol
 
@@ -90,22 +90,16 @@ class UavTurn(NamedTuple):
 class UgvTurn(NamedTuple):
     """What a UGV's decision is made from."""
 
-    forward: Scalar
-    """The proposed speed, within what the UGV obeys [m/s]."""
-    turn: Scalar
-    """[rad/s]."""
+    proposal: UgvProposal
+    """Within what the UGV obeys. Where `rooms` are too small for it, they may yet be enough for its sweep."""
     known: Scalar
-    """Whether they are numbers, and what is known of the UGV is fresh."""
+    """Whether it is numbers, and what is known of the UGV is fresh."""
     faces: list[Face]
     """Their room does not count the UGV's own way yet."""
     shares: tuple[tuple[Scalar, Scalar], ...]
     """Which share of its way forwards, and in reverse, leads to each face."""
     rooms: tuple[Scalar, ...]
     """What the proposal leaves before each face [m]."""
-    way: Callable[[Scalar], UgvTube]
-    """Its way if it is told this speed [m/s], turning as proposed."""
-    proposal: UgvProposal
-    """With its way as it turns: where `rooms` are too small, they may yet be enough."""
 
 
 class Deciding(Protocol):
@@ -367,10 +361,9 @@ def _ugv(
         lambda: clear(_rooms(faces, turning[1], motion.told(0.0, turn))),
     )
     turn, shares, rooms = cond(may_turn, lambda: turning, lambda: swept(0.0 * turn))
-    way = partial(motion.told, turn=turn)
     tightest = _tightest(faces, rooms)
     proposal = UgvProposal(motion, forward, turn)
-    passes, chosen = net.decide_ugv(stop, UgvTurn(forward, turn, known, faces, shares, rooms, way, proposal))
+    passes, chosen = net.decide_ugv(stop, UgvTurn(proposal, known, faces, shares, rooms))
     passes = passes & isfinite(chosen)
     speed = where(passes, chosen, zero)
     turned = where(passes | stands, turn, zero)

@@ -9,12 +9,12 @@ The same flights behind every net, with the same chance (see `bill` for what is 
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from fledge.cores import cores
 from fledge.engines import fly, prepare
 from fledge.manoeuvres import AbstractManoeuvre, FixedAltitude
 from fledge.manoeuvres.paths import HELD_OUT_FAMILIES
@@ -101,7 +101,7 @@ def examine(
         return Entry(name, net, bills)
 
     # Two at a time: the one's programs are compiled while the other flies.
-    with ThreadPoolExecutor(2) as pool:
+    with cores(2) as pool:
         yield from pool.map(entry, nets)
 
 

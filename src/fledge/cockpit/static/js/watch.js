@@ -11,7 +11,8 @@ export class Watch {
   #route;
   #player = new Player();
   #flights = [];
-  #name = "";
+  #name = ""; // of what is shown
+  #asked = ""; // of what is to be
 
   constructor(route) {
     this.#route = route;
@@ -58,17 +59,15 @@ export class Watch {
 
   // What was asked for last is shown, in whatever order the answers come; what is shown already does not begin again.
   async #choose(name) {
-    if (name === this.#name) return;
-    const before = this.#name;
-    this.#name = name;
-    this.#mark();
+    if (name === this.#asked) return;
+    this.#asked = name;
     const replay = await this.#fetched(name);
-    if (this.#name !== name) return;
+    if (this.#asked !== name) return;
     if (!replay) {
-      this.#name = before;
-      this.#mark();
+      this.#asked = this.#name;
       return;
     }
+    this.#name = name;
     this.#player.show(replay);
     const { manoeuvre, pilot, net, marks } = replay.told;
     const about = [
@@ -80,6 +79,7 @@ export class Watch {
     ];
     say($("watched"), name);
     say($("watched-marks"), about.join(" · "));
+    this.#mark();
   }
 
   async #compare(name) {
@@ -104,7 +104,7 @@ export class Watch {
   }
 
   #step(by) {
-    const at = this.#flights.findIndex(({ name }) => name === this.#name);
+    const at = this.#flights.findIndex(({ name }) => name === this.#asked);
     const next = this.#flights[at + by];
     if (next) this.#choose(next.name);
   }
